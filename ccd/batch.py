@@ -1,0 +1,104 @@
+"""Arrays of pairs, on all cores."""
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from ccd import checks
+from ccd.compiling import kernel, parallel_kernel
+from ccd.first_contact import free_flight_contact
+from ccd.rotation import body_axes
+from ccd.separation import contact_value, maximise, pencil, semi_axis_vectors, shape_matrix
+from ccd.tolerances import EXACT
+from ccd.vectors import load, subtract
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """n ellipsoids as arrays: semi_axes (n, 3) or (3,) for all, center (n, 3), orientation (n, 4), velocity (n, 3),
+    angular_velocity (n, 3) in the lab frame, growth_rate (n,) or one number. What moves may be left out: at rest."""
+
+    semi_axes: np.ndarray
+    center: np.ndarray
+    orientation: np.ndarray
+    velocity: np.ndarray = None
+    angular_velocity: np.ndarray = None
+    growth_rate: np.ndarray = None
+
+    def __post_init__(self):
+        center = checks.real_array("center", self.center, (None, 3), "an array (n, 3)")
+        n = len(center)
+        if np.ndim(self.semi_axes) == 1:
+            semi_axes = np.tile(checks.semi_axes("semi_axes", self.semi_axes), (n, 1))
+        else:
+            semi_axes = checks.semi_axes("semi_axes", self.semi_axes, (n, 3), f"({n}, 3) positive lengths")
+        growth_rate = np.zeros(n) if self.growth_rate is None else np.broadcast_to(self.growth_rate, (n,))
+        values = {"center": center, "semi_axes": semi_axes,
+                  "orientation": checks.unit_quaternions("orientation", self.orientation, (n, 4), f"quaternions ({n}, 4)"),
+                  "growth_rate": checks.real_array("growth_rate", growth_rate, (n,), f"one number or ({n},)")}
+        for name in ("velocity", "angular_velocity"):
+            value = getattr(self, name)
+            values[name] = np.zeros((n, 3)) if value is None else checks.real_array(name, value, (n, 3), f"an array ({n}, 3)")
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __len__(self):
+        return len(self.center)
+
+
+def contact_function(bodies_a, bodies_b):
+    """The contact function f (n,) of the pairs (a[k], b[k]), eq. (1): > 1 apart, 1 touching, < 1 overlapping. Motion is ignored."""
+    _check_lengths(bodies_a, bodies_b)
+    f = np.empty(len(bodies_a))
+    _contact_functions(bodies_a.semi_axes, bodies_a.center, bodies_a.orientation,
+                       bodies_b.semi_axes, bodies_b.center, bodies_b.orientation, f)
+    return f
+
+
+def first_contact(bodies_a, bodies_b, t_max=1.0):
+    """First contacts of the pairs (a[k], b[k]) in free flight within [0, t_max]. -> time (n,), inf for none, and status (n,) int8."""
+    _check_lengths(bodies_a, bodies_b)
+    t_max = checks.real_number("t_max", t_max, "a positive time", above=0)
+    for name, bodies in (("bodies_a", bodies_a), ("bodies_b", bodies_b)):
+        if (1 + bodies.growth_rate * t_max <= 0).any():
+            raise ValueError(f"{name}.growth_rate: the semi-axes of a body would vanish before t_max = {t_max}")
+    time, status = np.empty(len(bodies_a)), np.empty(len(bodies_a), dtype=np.int8)
+    _first_contacts(_rows(bodies_a), _rows(bodies_b), t_max, time, status)
+    return time, status
+
+
+def _check_lengths(bodies_a, bodies_b):
+    if len(bodies_a) != len(bodies_b):
+        raise ValueError(f"bodies_b has {len(bodies_b)} bodies: expected as many as bodies_a, {len(bodies_a)}")
+
+
+def _rows(bodies):
+    return np.hstack([bodies.semi_axes, bodies.center, bodies.orientation, bodies.velocity, bodies.angular_velocity,
+                      bodies.growth_rate[:, None]])
+
+
+@kernel
+def _quaternion(row, start):
+    return (row[start], row[start + 1], row[start + 2], row[start + 3])
+
+
+@kernel
+def _flight(row):
+    return load(row, 0), load(row, 3), _quaternion(row, 6), load(row, 10), load(row, 13), row[16]
+
+
+@parallel_kernel
+def _contact_functions(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, orientation_b, f):
+    for k in numba.prange(len(f)):
+        s_a = semi_axis_vectors(load(semi_axes_a[k], 0), body_axes(_quaternion(orientation_a[k], 0)))
+        s_b = semi_axis_vectors(load(semi_axes_b[k], 0), body_axes(_quaternion(orientation_b[k], 0)))
+        d, n = pencil(shape_matrix(s_a), shape_matrix(s_b), subtract(load(center_b[k], 0), load(center_a[k], 0)))
+        x, _ = maximise(d, n, 0.5, EXACT)
+        f[k] = contact_value(d, n, x)
+
+
+@parallel_kernel
+def _first_contacts(rows_a, rows_b, t_max, time, status):
+    for k in numba.prange(len(time)):
+        status[k], time[k], _, _, _ = free_flight_contact(_flight(rows_a[k]), _flight(rows_b[k]), t_max)

@@ -1,0 +1,43 @@
+"""Bad input in words: each check returns the value as the library wants it, or raises ValueError that names the argument."""
+
+import numpy as np
+
+
+def real_array(name, value, shape, what):
+    """A C-contiguous float64 copy of the wanted shape (None: any length), all finite."""
+    try:
+        array = np.array(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} = {value!r}: expected {what}") from None
+    if array.ndim != len(shape) or any(want is not None and have != want for have, want in zip(array.shape, shape)):
+        raise ValueError(f"{name} has shape {array.shape}: expected {what}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} = {value!r}: expected finite numbers")
+    return array
+
+
+def semi_axes(name, value, shape=(3,), what="three positive lengths"):
+    array = real_array(name, value, shape, what)
+    if not (array > 0).all():
+        raise ValueError(f"{name} = {value!r}: every semi-axis must be positive")
+    return array
+
+
+def unit_quaternions(name, value, shape=(4,), what="a quaternion (w, x, y, z)"):
+    """Quaternions made unit; zero ones are refused."""
+    array = real_array(name, value, shape, what)
+    length = np.sqrt((array * array).sum(axis=-1, keepdims=True))
+    if not (length > 1e-150).all():
+        raise ValueError(f"{name} = {value!r}: a quaternion must not be zero")
+    return array / length
+
+
+def real_number(name, value, what="a number", above=-np.inf, at_least=-np.inf, below=np.inf):
+    """A finite float; `above` and `below` are open bounds, `at_least` is closed."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} = {value!r}: expected {what}") from None
+    if not (np.isfinite(number) and number > above and number >= at_least and number < below):
+        raise ValueError(f"{name} = {value!r}: expected {what}")
+    return number

@@ -1,0 +1,95 @@
+"""The one decorator for compiled code, with a disk cache that is never stale.
+
+numba's own cache notices an edit in the file of the cached function only, not in the files whose kernels it calls. The cache folder
+is therefore named after a digest of every source file that a kernel can depend on: an edit opens a new, empty folder.
+"""
+
+import functools
+import hashlib
+import os
+import re
+import shutil
+import tempfile
+from pathlib import Path
+
+import numba
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("ccd", "edmd", "analysis")
+FOLDERS_KEPT = 4                 # caches of earlier sources, for people who switch between branches
+_IMPORT = re.compile(r"^\s*from\s+([\w.]+)\s+import\s+(.+)$", re.MULTILINE)
+
+
+def kernel_sources():
+    """Files that hold a kernel, and every file of these packages that they import, directly or not."""
+    files = {str(path.relative_to(ROOT))[:-3].replace(os.sep, "."): path for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
+    texts = {name: path.read_bytes() for name, path in files.items()}
+    reached = {name for name, text in texts.items() if re.search(rb"^@(parallel_)?kernel", text, re.MULTILINE)}
+    frontier = list(reached)
+    while frontier:
+        for module, names in _IMPORT.findall(texts[frontier.pop()].decode()):
+            for name in (module, *(f"{module}.{part.strip(' ()').split(' as ')[0]}" for part in names.split(","))):
+                if name in texts and name not in reached:
+                    reached.add(name)
+                    frontier.append(name)
+    return {name: texts[name] for name in sorted(reached)}
+
+
+def _writable(folder):
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+@functools.cache
+def cache_folder():
+    """The folder for compiled code: $EDMD_CACHE_DIR, else the user's cache folder, else the temporary one."""
+    digest = hashlib.sha256()
+    for name, text in kernel_sources().items():
+        digest.update(name.encode() + b"\0" + text)
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    candidates = [Path(os.environ["EDMD_CACHE_DIR"])] if "EDMD_CACHE_DIR" in os.environ else []
+    candidates += [user / "edmd", Path(tempfile.gettempdir()) / f"edmd-{os.getuid() if hasattr(os, 'getuid') else 'user'}"]
+    for base in candidates:
+        folder = base / f"kernels-{digest.hexdigest()[:16]}"
+        if _writable(folder):
+            os.utime(folder)
+            _forget_old(base, keep=folder)
+            return str(folder)
+    return None
+
+
+def _forget_old(base, keep):
+    def age(folder):
+        try:
+            return folder.stat().st_mtime
+        except OSError:
+            return 0.0
+    others = sorted((folder for folder in base.glob("kernels-*") if folder != keep), key=age)
+    for folder in others[:-FOLDERS_KEPT]:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def kernel(function):
+    """Compile with numba: cached on disk, free of the interpreter lock, division as in numpy, never fastmath (inf means "no event")."""
+    return _compile(function, nogil=True, error_model="numpy", _nrt=False, forceinline=True)
+
+
+def parallel_kernel(function):
+    """`kernel` whose prange loops run on all cores. The results do not depend on how many there are."""
+    return _compile(function, nogil=True, error_model="numpy", parallel=True)
+
+
+def _compile(function, **options):
+    folder = cache_folder()
+    if folder is None:
+        return numba.njit(**options)(function)
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = folder
+    try:
+        return numba.njit(cache=True, **options)(function)
+    finally:
+        numba.config.CACHE_DIR = before

@@ -1,0 +1,62 @@
+"""The ellipsoid: shape and pose, quadric, volume, inertia."""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ccd import checks
+
+
+@dataclass(frozen=True, eq=False)
+class Ellipsoid:
+    """An ellipsoid with semi-axes (3,), centre (3,) and orientation (4,), a quaternion (w, x, y, z) that turns body into lab.
+
+    Quaternions need not be unit. ValueError names what is not finite, not positive or of the wrong shape.
+    """
+
+    semi_axes: np.ndarray
+    center: np.ndarray = (0.0, 0.0, 0.0)
+    orientation: np.ndarray = (1.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        for name, value in (("semi_axes", checks.semi_axes("semi_axes", self.semi_axes)),
+                            ("center", checks.real_array("center", self.center, (3,), "three coordinates")),
+                            ("orientation", checks.unit_quaternions("orientation", self.orientation))):
+            value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    @property
+    def rotation_matrix(self):
+        """(3, 3): columns are the body axes in the lab frame."""
+        w, x, y, z = self.orientation
+        return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+
+    @property
+    def shape_matrix(self):
+        """(3, 3), X = R diag(a^2) R^T: the surface is (x - c)^T X^-1 (x - c) = 1."""
+        s = self.rotation_matrix * self.semi_axes
+        return s @ s.T
+
+    @property
+    def quadric(self):
+        """(4, 4), A with the surface (x, 1) A (x, 1)^T = 0 and the inside negative (paper, Sec. 2)."""
+        s = self.rotation_matrix / self.semi_axes
+        top = s @ s.T
+        quadric = np.empty((4, 4))
+        quadric[:3, :3] = top
+        quadric[:3, 3] = quadric[3, :3] = -top @ self.center
+        quadric[3, 3] = self.center @ top @ self.center - 1
+        return quadric
+
+    @property
+    def volume(self):
+        return 4 * pi / 3 * self.semi_axes.prod()
+
+    def inertia(self, mass=1.0):
+        """Principal moments (3,) of the solid body of uniform density."""
+        mass = checks.real_number("mass", mass, "a positive number", above=0)
+        squares = self.semi_axes**2
+        return mass / 5 * (squares.sum() - squares)

@@ -1,0 +1,112 @@
+"""What one asks about one pair of ellipsoids."""
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ccd.checks import real_number
+from ccd.compiling import kernel
+from ccd.ellipsoid import Ellipsoid
+from ccd.first_contact import free_flight_contact
+from ccd.motion import FreeFlight
+from ccd.rotation import body_axes
+from ccd.separation import best_plane, contact_point, contact_value, pencil, semi_axis_vectors, shape_matrix, support
+from ccd.status import State, Status
+from ccd.tolerances import EXACT, TOUCHING_STATE
+from ccd.vectors import dot, subtract
+
+
+class Separation(NamedTuple):
+    """How two ellipsoids at rest stand to each other, eq. (1).
+
+    contact_function f: > 1 apart, 1 touching, < 1 overlapping; sqrt(f) is the factor by which both must grow to touch.
+    gap: signed distance of the two supporting planes whose normal is `normal` (unit, from A to B): a lower bound of the distance when
+    positive. point: where the bodies touch, when they do. pencil_parameter: the maximiser lambda in (0, 1).
+    """
+
+    state: State
+    contact_function: float
+    gap: float
+    normal: np.ndarray
+    point: np.ndarray
+    pencil_parameter: float
+
+
+class Contact(NamedTuple):
+    """A first contact. time is inf for NO_CONTACT; normal (from A to B) and point are nan then. iterations: steps of the shoot."""
+
+    status: Status
+    time: float
+    point: np.ndarray
+    normal: np.ndarray
+    iterations: int
+
+
+@kernel
+def _separation(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, orientation_b):
+    s_a, s_b = semi_axis_vectors(semi_axes_a, body_axes(orientation_a)), semi_axis_vectors(semi_axes_b, body_axes(orientation_b))
+    r = subtract(center_b, center_a)
+    n, x, _ = best_plane(s_a, s_b, r, 0.5, EXACT)
+    d, numerator = pencil(shape_matrix(s_a), shape_matrix(s_b), r)
+    return contact_value(d, numerator, x), dot(n, r) - support(s_a, n) - support(s_b, n), n, contact_point(center_a, s_a, r, s_b, n), x
+
+
+def separation(a, b):
+    """State, contact function, gap, normal and contact point of two ellipsoids at rest (Perram and Wertheim; eqs. (1) to (4)).
+
+    Concentric ellipsoids have no normal: contact function 0, gap minus infinity, normal and point nan.
+    """
+    for name, body in (("a", a), ("b", b)):
+        if not isinstance(body, Ellipsoid):
+            raise ValueError(f"{name} = {body!r}: expected a ccd.Ellipsoid")
+    if np.array_equal(a.center, b.center):
+        return Separation(State.OVERLAPPING, 0.0, -np.inf, np.full(3, np.nan), np.full(3, np.nan), 0.5)
+    f, gap, n, point, x = _separation(*map(_tuple, (a.semi_axes, a.center, a.orientation, b.semi_axes, b.center, b.orientation)))
+    state = State.TOUCHING if abs(f - 1) <= TOUCHING_STATE else State.SEPARATE if f > 1 else State.OVERLAPPING
+    return Separation(state, f, gap, np.array(n), np.array(point), x)
+
+
+def first_contact(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
+    """The first contact of two ellipsoids in free flight within t_span, by the certified shoot (docs/theory.md, section 2).
+
+    a, b: Ellipsoid, their poses at t = 0; motions: FreeFlight or Rest(). -> Contact, with status OVERLAPPING when the bodies overlap at
+    t_span[0] already, and UNRESOLVED where float64 cannot tell. Contact times are good to 1e-12 of the span at regular contacts.
+    """
+    for name, motion in (("motion_a", motion_a), ("motion_b", motion_b)):
+        if not isinstance(motion, FreeFlight):
+            raise ValueError(f"{name} = {motion!r}: expected ccd.FreeFlight or ccd.Rest()")
+    start, end = (real_number("t_span", t, "two finite times (start, end)") for t in t_span)
+    if not start < end:
+        raise ValueError(f"t_span = {t_span!r}: expected start < end")
+    status, time, n, point, steps = free_flight_contact(_flight("motion_a", a, motion_a, start, end),
+                                                        _flight("motion_b", b, motion_b, start, end), end - start)
+    if status == Status.NO_CONTACT:
+        n = point = (np.nan,) * 3
+    return Contact(Status(status), start + time, np.array(point), np.array(n), steps)
+
+
+def _flight(name, body, motion, start, end):
+    """The flight from t = start on, as the kernel takes it."""
+    size_start, size_end = 1 + motion.growth_rate * start, 1 + motion.growth_rate * end
+    if min(size_start, size_end) <= 0:
+        raise ValueError(f"{name}.growth_rate = {motion.growth_rate}: the semi-axes would vanish within t_span = ({start}, {end})")
+    orientation = body.orientation
+    if start != 0:
+        angle = sqrt(motion.angular_velocity @ motion.angular_velocity) * start
+        orientation = _turned(orientation, motion.angular_velocity, angle)
+    return (_tuple(body.semi_axes * size_start), _tuple(body.center + motion.velocity * start), _tuple(orientation),
+            _tuple(motion.velocity), _tuple(motion.angular_velocity), motion.growth_rate / size_start)
+
+
+def _turned(orientation, angular_velocity, angle):
+    if angle == 0:
+        return orientation
+    axis = angular_velocity / sqrt(angular_velocity @ angular_velocity) * np.sin(angle / 2)
+    w, v = np.cos(angle / 2), axis
+    q, u = orientation[0], orientation[1:]
+    return np.concatenate([[w * q - v @ u], w * u + q * v + np.cross(v, u)])
+
+
+def _tuple(array):
+    return tuple(array.tolist())

@@ -1,0 +1,20 @@
+"""Event-driven dynamics of hard ellipsoids. Names are loaded when first used, so that `import edmd` and `edmd --help` are quick."""
+
+import importlib
+
+__version__ = "0.1.0"
+
+_HOMES = {"System": "system", "Simulation": "simulation", "Stalled": "simulation", "lattice": "initial", "from_ase": "initial",
+          "random_system": "initial", "thermalized": "initial", "pack": "packing", "Packing": "packing", "Trajectory": "trajectory",
+          "Observer": "observers", "Every": "observers", "Milestones": "observers"}
+__all__ = ["__version__", *_HOMES]
+
+
+def __getattr__(name):
+    if name not in _HOMES:
+        raise AttributeError(f"module 'edmd' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"edmd.{_HOMES[name]}"), name)
+
+
+def __dir__():
+    return sorted(__all__)

@@ -1,0 +1,48 @@
+"""The loop. One event reads as one sentence: take the earliest, look at it, collide, predict again."""
+
+from ccd.compiling import kernel
+from edmd.collision import collide
+from edmd.events import Ended, EventKind
+from edmd.neighbors import DONE, escape, set_escape
+from edmd.prediction import look, predict, reschedule
+from edmd.state import COLLISIONS, EVENTS, NEXT_EPOCH, NOW, STANDING
+from edmd.tolerances import STALL_EVENTS
+
+ESCAPE = int(EventKind.ESCAPE)
+TIME, COLLISIONS_REACHED, EPOCH, STALLED = int(Ended.TIME), int(Ended.COLLISIONS), int(Ended.EPOCH), int(Ended.STALLED)
+
+
+@kernel
+def advance_events(world, until_time, until_collisions):
+    """Treat events in order until a time (counted from the epoch) or a number of collisions. -> why it ended, see `Ended`."""
+    calendar, lists, clock, tally = world.calendar, world.lists, world.clock, world.tally
+    patience = STALL_EVENTS + 100 * len(world.bodies)
+    while True:
+        if tally[COLLISIONS] >= until_collisions:
+            return COLLISIONS_REACHED
+        if tally[COLLISIONS] >= tally[NEXT_EPOCH]:
+            return EPOCH
+        time, body = calendar.time[1], calendar.body[1]
+        if time > until_time:
+            clock[NOW] = until_time
+            return TIME
+        tally[STANDING] = tally[STANDING] + 1 if time <= clock[NOW] else 0
+        if tally[STANDING] > patience:
+            return STALLED
+        clock[NOW] = max(time, clock[NOW])
+        tally[EVENTS] += 1
+        slot = calendar.slot[body]
+        if slot == ESCAPE:
+            status = escape(world, body)
+            if status != DONE:
+                return status
+        elif slot < lists.count[body] and lists.time[body, slot] == time:
+            pair, partner = lists.pair[body, slot], lists.partner[body, slot]
+            touches, rate = look(world, body, slot)
+            if touches:
+                collide(world, pair, rate)
+                for other in (body, partner):
+                    predict(world, other)
+                    set_escape(world, other)
+                reschedule(world, partner)
+        reschedule(world, body)

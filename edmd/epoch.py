@@ -1,0 +1,159 @@
+"""The periodic upkeep of a world, at fixed numbers of collisions so that it never depends on who looks: times are counted from a new epoch
+(their resolution stays that of the present), and with growth the temperature is brought back to kT = 1.
+"""
+
+from math import inf, sqrt
+
+from ccd.compiling import kernel
+from ccd.first_contact import curvature
+from ccd.vectors import add_scaled, dot, load, norm, scale, store
+from edmd.flight import advance_all
+from edmd.neighbors import DONE, rebuild, set_escape
+from edmd.prediction import predict, reschedule, size_now
+from edmd.state import (
+    ANCHOR_POSITION,
+    BEND,
+    COLLISIONS,
+    ENERGY,
+    ENERGY_SINCE,
+    ENERGY_TIME,
+    EPOCH,
+    EPOCH_BEGAN,
+    ESCAPE_TIME,
+    FREE_PAIRS,
+    GROWTH,
+    HORIZON,
+    INVERSE_INERTIA,
+    INVERSE_MASS,
+    NEXT_EPOCH,
+    NOW,
+    REACH_SIZE,
+    REFINE,
+    SEMI_AXES,
+    SIZE,
+    TIME,
+    TURNING,
+    VECTORS,
+    VELOCITY,
+    VIRIAL,
+)
+from edmd.tolerances import EPOCH_COLLISIONS, EPOCH_LEAST, GROWTH_HORIZON, REFINE_BELOW
+
+
+@kernel
+def start_epoch(world):
+    """Count every time, and every sum, from now on. The mean free time of the epoch that ends decides when planes are renewed."""
+    clock, tally, n = world.clock, world.tally, len(world.bodies)
+    now, collisions = clock[NOW], tally[COLLISIONS] - tally[EPOCH_BEGAN]
+    if collisions > 0 and now > 0:
+        clock[REFINE] = REFINE_BELOW * now * n / (2.0 * collisions)
+    tally[EPOCH_BEGAN] = tally[COLLISIONS]
+    tally[NEXT_EPOCH] = tally[COLLISIONS] + max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
+    clock[SIZE] = size_now(clock)
+    clock[EPOCH] += now
+    clock[NOW] = clock[ENERGY_SINCE] = clock[ENERGY_TIME] = clock[VIRIAL] = 0.0
+    for body in range(n):
+        world.bodies[body, TIME] -= now
+        world.anchors[body, ESCAPE_TIME] -= now
+        for slot in range(world.lists.count[body]):
+            world.lists.time[body, slot] -= now
+    for node in range(len(world.calendar.time)):
+        world.calendar.time[node] -= now
+
+
+@kernel
+def symmetry_axis(row):
+    """0, 1, 2 for a body of revolution; 3 for three different axes; 4 for a sphere."""
+    a, b, c = load(row, SEMI_AXES)
+    if a == b and b == c:
+        return 4
+    return 2 if a == b else 1 if a == c else 0 if b == c else 3
+
+
+@kernel
+def active_turning(row):
+    """The part of the angular velocity that collisions change: for a body of revolution the part across its axis."""
+    turning, axis = load(row, TURNING), symmetry_axis(row)
+    if axis == 4:
+        return (0.0, 0.0, 0.0)
+    if axis == 3:
+        return turning
+    along = load(row, VECTORS + 3 * axis)
+    return add_scaled(turning, -dot(turning, along) / dot(along, along), along)
+
+
+@kernel
+def kinetic_energy(world):
+    """Energy of all motions that collisions exchange. A body of revolution keeps the part of its turning along its axis in flight."""
+    energy = 0.0
+    for body in range(len(world.bodies)):
+        row = world.bodies[body]
+        energy += 0.5 * dot(load(row, VELOCITY), load(row, VELOCITY)) / row[INVERSE_MASS]
+        if row[INVERSE_INERTIA] > 0:
+            turning = active_turning(row)
+            energy += 0.5 * dot(turning, turning) / row[INVERSE_INERTIA]
+    return energy
+
+
+@kernel
+def rescale(world, factor, inertia_factor):
+    """Multiply the exchanged velocities by a factor; moments of inertia by another, at unchanged energy. Predictions are made anew."""
+    advance_all(world.bodies, world.clock[NOW])
+    for body in range(len(world.bodies)):
+        row = world.bodies[body]
+        store(row, VELOCITY, scale(factor, load(row, VELOCITY)))
+        row[INVERSE_INERTIA] /= inertia_factor
+        store(row, TURNING, add_scaled(load(row, TURNING), factor / sqrt(inertia_factor) - 1, active_turning(row)))
+        row[BEND] = curvature(load(row, SEMI_AXES), load(row, TURNING))
+    predict_all(world)
+
+
+@kernel
+def predict_all(world):
+    """Every prediction anew, for the velocities and the growth of now."""
+    world.clock[ENERGY_TIME] += world.clock[ENERGY] * (world.clock[NOW] - world.clock[ENERGY_SINCE])
+    world.clock[ENERGY_SINCE] = world.clock[NOW]
+    world.clock[ENERGY] = kinetic_energy(world)
+    advance_all(world.bodies, world.clock[NOW])
+    for body in range(len(world.bodies)):
+        predict(world, body)
+        set_escape(world, body)
+    reschedule_all(world)
+
+
+@kernel
+def reschedule_all(world):
+    for body in range(len(world.bodies)):
+        reschedule(world, body)
+
+
+@kernel
+def rebuild_all(world):
+    """Every list anew. -> DONE or why it could not be."""
+    world.clock[REACH_SIZE] = 0.0
+    advance_all(world.bodies, world.clock[NOW])
+    rows = len(world.pairs.free)
+    world.tally[FREE_PAIRS] = rows
+    for k in range(rows):
+        world.pairs.free[k] = rows - 1 - k
+    for body in range(len(world.bodies)):
+        world.lists.count[body] = 0
+        world.anchors[body, ANCHOR_POSITION] = inf
+    for body in range(len(world.bodies)):
+        status = rebuild(world, body)
+        if status != DONE:
+            return status
+    return DONE
+
+
+@kernel
+def set_growth(world, growth):
+    """Let all semi-axes grow at this rate, in units of those at size 1, from now on; lists and predictions are made anew."""
+    clock = world.clock
+    clock[SIZE] = size_now(clock) - growth * clock[NOW]
+    clock[GROWTH] = growth
+    clock[HORIZON] = GROWTH_HORIZON * size_now(clock) / abs(growth) if growth != 0 else 1e300
+    status = rebuild_all(world)
+    if status == DONE:
+        predict_all(world)
+    return status

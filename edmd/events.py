@@ -1,0 +1,20 @@
+"""The one vocabulary of the engine: what can happen to a body, and why a block of events ends."""
+
+from enum import IntEnum
+
+
+class EventKind(IntEnum):
+    """What a body waits for: its calendar entry holds a slot of its neighbour list (a pair to look at), or one of these."""
+
+    ESCAPE = -1         # it may have left the neighbourhood its list was made for
+
+
+class Ended(IntEnum):
+    """Why the engine gave control back."""
+
+    TIME = 0                # the wanted time is reached
+    COLLISIONS = 1          # the wanted number of collisions is reached
+    EPOCH = 2               # time for the periodic upkeep (edmd/epoch.py)
+    LIST_FULL = 3           # a neighbour list or the pair table needs more room; nothing is lost, enlarge and go on
+    CELL_TOO_SMALL = 4      # a body has come near its own periodic image
+    STALLED = 5             # events go on but time stands still

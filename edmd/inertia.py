@@ -1,0 +1,66 @@
+"""Moments of inertia, and the motion of a body of revolution: precession of the shape, spin about the axis."""
+
+import numpy as np
+
+from ccd import checks
+
+
+def symmetry_axes(semi_axes):
+    """(n,): 0, 1, 2 for bodies of revolution about that axis, 3 for three different axes, 4 for spheres."""
+    a, b, c = semi_axes.T
+    return np.where((a == b) & (b == c), 4, np.where(a == b, 2, np.where(a == c, 1, np.where(b == c, 0, 3))))
+
+
+def rotational_degrees(semi_axes):
+    """Rotational degrees of freedom (n,) that collisions of smooth bodies exchange: 0 sphere, 2 body of revolution, 3 otherwise."""
+    return np.choose(symmetry_axes(semi_axes), [2, 2, 2, 3, 0])
+
+
+def principal_moments(inertia, semi_axes, masses):
+    """Principal moments (n, 3) that the dynamics uses; see System for what is accepted."""
+    n = len(semi_axes)
+    kinds = symmetry_axes(semi_axes)
+    if isinstance(inertia, str):
+        if inertia == "solid":
+            squares = semi_axes**2
+            moments = masses[:, None] / 5 * (squares.sum(axis=1, keepdims=True) - squares)
+            moments[kinds == 3] = moments[kinds == 3].mean(axis=1, keepdims=True)
+        elif inertia == "sphere":
+            moments = np.repeat(0.4 * masses * semi_axes.prod(axis=1)**(2 / 3), 3).reshape(n, 3)
+        else:
+            raise ValueError(f"inertia = {inertia!r}: expected 'solid', 'sphere' or principal moments (3,) or ({n}, 3)")
+        return moments
+    moments = np.broadcast_to(np.asarray(inertia, dtype=float), (n, 3)) if np.ndim(inertia) == 1 else inertia
+    moments = checks.real_array("inertia", moments, (n, 3), f"'solid', 'sphere' or principal moments (3,) or ({n}, 3)")
+    if not (moments > 0).all():
+        raise ValueError(f"inertia = {inertia!r}: every principal moment must be positive")
+    axis = np.minimum(kinds, 2)
+    across = [moments[np.arange(n), (axis + k) % 3] for k in (1, 2)]
+    isotropic = (moments == moments[:, :1]).all(axis=1)
+    if not (isotropic | ((kinds < 3) & (across[0] == across[1]))).all():
+        raise ValueError(f"inertia = {inertia!r}: the free rotation of three different principal moments is not built yet; expected equal "
+                         "moments, or for a body of revolution equal ones across its axis")
+    return moments
+
+
+def shape_turning(system):
+    """How the shape turns in free flight. -> turning (n, 3), across (n,), spin (n,).
+
+    For a body of revolution about u with moments I_par and I_perp, L / I_perp = w + (I_par / I_perp - 1) (w.u) u stays constant: the axis
+    precesses about it, and the body spins about its own axis at (1 - I_par / I_perp) (w.u) besides. For isotropic inertia the turning is w.
+    """
+    axis, u = axis_directions(system)
+    n = np.arange(system.n)
+    along, across = system.moments[n, axis], system.moments[n, (axis + 1) % 3]
+    w_along = (system.angular_velocities * u).sum(axis=1)
+    turning = system.angular_velocities + ((along / across - 1) * w_along)[:, None] * u
+    return turning, across, (1 - along / across) * w_along
+
+
+def axis_directions(system):
+    """Index (n,) and direction (n, 3) in the lab of the symmetry axis, the third axis where there is none."""
+    axis = np.minimum(symmetry_axes(system.semi_axes), 2)
+    w, v = system.orientations[:, :1], system.orientations[:, 1:]
+    e = np.eye(3)[axis]
+    t = 2 * np.cross(v, e)
+    return axis, e + w * t + np.cross(v, t)

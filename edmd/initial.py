@@ -1,0 +1,154 @@
+"""Where a run starts: crystals that ASE builds, random systems, thermal velocities."""
+
+from math import pi, sqrt
+
+import numpy as np
+
+from ccd import checks
+from edmd.inertia import axis_directions, rotational_degrees, symmetry_axes
+from edmd.system import System, contact_functions
+
+LATTICES = ("fcc", "bcc", "sc", "hcp")
+SPARSE = 0.02           # packing fraction at which random bodies are first laid down
+RANDOM_RATE = 0.2       # growth rate from there to the wanted packing fraction
+ATTEMPTS = 10_000       # rounds of moving the bodies that overlap
+
+
+def lattice(name, semi_axes, packing_fraction, cells=(5, 5, 5), seed=0, stretched=False, masses=1.0, inertia="solid"):
+    """A crystal of parallel bodies, built by ASE, with thermal velocities at kT = 1.
+
+    name: "fcc", "bcc", "sc" (cubic cells) or "hcp" (orthorhombic cell, ideal c/a); semi_axes (3,) along x, y, z; cells: unit cells in each
+    direction. stretched=True maps the lattice of touching spheres together with the shape, so that fcc and hcp reach pi / sqrt(18) for any
+    axes; otherwise the lattice stays as it is, and holds less. ValueError says how much, when packing_fraction is above that.
+    """
+    if name not in LATTICES:
+        raise ValueError(f"name = {name!r}: expected one of {', '.join(LATTICES)}; build any other crystal with ASE and edmd.from_ase")
+    semi_axes = checks.semi_axes("semi_axes", semi_axes)
+    packing_fraction = _packing_fraction(packing_fraction)
+    counts = tuple(cells)
+    if len(counts) != 3 or any(int(c) != c or c < 1 for c in counts):
+        raise ValueError(f"cells = {cells!r}: expected three positive integers")
+    from ase.build import bulk
+
+    unit = bulk("X", name, a=1.0, cubic=True) if name != "hcp" else bulk("X", name, a=1.0, covera=sqrt(8 / 3), orthorhombic=True)
+    shape = semi_axes / np.cbrt(semi_axes.prod()) if stretched else np.ones(3)
+    size = np.cbrt(len(unit) * 4 * pi / 3 * semi_axes.prod() / packing_fraction / unit.cell.volume)
+    unit.set_cell(unit.cell @ np.diag(size * shape), scale_atoms=True)
+    # an offset keeps the bodies off the faces of the cell, where rounding would decide which image is the home one
+    unit.positions += unit.cell.lengths() / 8
+    one = System(unit.positions, np.tile([1.0, 0, 0, 0], (len(unit), 1)), semi_axes, np.array(unit.cell))
+    largest = packing_fraction * one.smallest_scale()**3
+    if largest < packing_fraction * (1 - 1e-12):
+        raise ValueError(f"packing_fraction = {packing_fraction}: the {name} lattice of these bodies holds at most {largest:.6f}"
+                         + ("" if stretched else " (stretched=True may hold more)"))
+    return thermalized(from_ase(unit.repeat(counts), semi_axes, masses=masses, inertia=inertia), seed)
+
+
+def from_ase(atoms, semi_axes, orientations=None, masses=1.0, inertia="solid", species=None):
+    """A System at rest from periodic ase.Atoms: positions and cell, turned so that the first cell vector lies along x, the second in xy.
+
+    semi_axes as in System. orientations (n, 4), (w, x, y, z): default the array "orientation" of the atoms ((x, y, z, w), as OVITO and
+    `System.to_ase` have it), else all parallel to the axes. Bodies turn with the cell.
+    """
+    if not atoms.pbc.all():
+        raise ValueError(f"atoms.pbc = {atoms.pbc.tolist()}: expected three periodic directions")
+    cell, rotation = atoms.cell.standard_form()
+    if orientations is None:
+        orientations = atoms.arrays["orientation"][:, [3, 0, 1, 2]] if "orientation" in atoms.arrays else [(1.0, 0, 0, 0)] * len(atoms)
+    positions, box = atoms.positions, np.array(cell)
+    if not np.allclose(rotation, np.eye(3), atol=1e-14):
+        from scipy.spatial.transform import Rotation
+
+        positions = positions @ rotation.T
+        w, x, y, z = np.transpose(checks.unit_quaternions("orientations", orientations, (len(atoms), 4)))
+        turned = Rotation.from_matrix(rotation) * Rotation.from_quat(np.stack([x, y, z, w], axis=1))
+        orientations = turned.as_quat()[:, [3, 0, 1, 2]]
+    else:
+        box = np.array(atoms.cell)
+    return System(positions, orientations, semi_axes, np.tril(box), masses=masses, inertia=inertia, species=species)
+
+
+def random_system(n, semi_axes, packing_fraction, seed=0, masses=1.0, inertia="solid"):
+    """Bodies at random, without overlap, in a cubic cell, with thermal velocities at kT = 1.
+
+    n: number of bodies with semi_axes (3,), or counts (k,) of k species with semi_axes (k, 3). The bodies are laid down at random
+    while small and grow to their size in event-driven dynamics. ValueError when they jam before packing_fraction.
+    """
+    from edmd.simulation import Simulation
+
+    packing_fraction = _packing_fraction(packing_fraction)
+    rows = np.atleast_2d(np.asarray(semi_axes, dtype=float))
+    counts = np.atleast_1d(n)
+    if len(rows) != len(counts) or any(int(c) != c or c < 1 for c in counts):
+        raise ValueError(f"n = {n!r}: expected one positive count for each of the {len(rows)} rows of semi_axes")
+    species = np.repeat(np.arange(len(counts)), counts.astype(int))
+    wanted = checks.semi_axes("semi_axes", rows, (None, 3), "three lengths, or one row of three a species")[species]
+    edge = np.cbrt(4 * pi / 3 * wanted.prod(axis=1).sum() / packing_fraction)
+    start = min(packing_fraction, SPARSE)
+    small = wanted * np.cbrt(start / packing_fraction)
+    rng = np.random.default_rng(seed)
+    positions, orientations = _laid_down(small, edge, rng)
+    system = thermalized(System(positions, orientations, small, edge, masses=masses, inertia=inertia, species=species), rng)
+    if start < packing_fraction:
+        simulation = Simulation(system)
+        simulation.compress(RANDOM_RATE, until_packing_fraction=packing_fraction)
+        system = simulation.system
+    return thermalized(System(system.positions, system.orientations, wanted * (1 - 1e-15), edge, masses=masses, inertia=inertia,
+                              species=species), rng)
+
+
+def thermalized(system, seed=0, temperature=1.0):
+    """A copy with velocities and angular velocities from the Maxwell distribution, no total momentum, and exactly this temperature (kT)."""
+    temperature = checks.real_number("temperature", temperature, "a positive number (kT)", above=0)
+    rng = np.random.default_rng(seed)
+    system = system.copy()
+    n, masses = system.n, system.masses[:, None]
+    system.velocities = rng.normal(size=(n, 3)) * np.sqrt(temperature / masses)
+    if n > 1:
+        system.velocities -= (masses * system.velocities).sum(axis=0) / masses.sum()
+    in_body = rng.normal(size=(n, 3)) * np.sqrt(temperature / system.moments)
+    w, v = system.orientations[:, :1], system.orientations[:, 1:]
+    turned = 2 * np.cross(v, in_body)
+    system.angular_velocities = in_body + w * turned + np.cross(v, turned)
+    factor = sqrt(temperature / temperature_of(system))
+    system.velocities *= factor
+    system.angular_velocities *= factor
+    return system
+
+
+def degrees_of_freedom(system):
+    """Those that exchange energy: 3 n - 3 of translation, and 0, 2 or 3 of rotation a body (smooth spheres, bodies of revolution, others)."""
+    return max(3 * system.n - 3, 1) + int(rotational_degrees(system.semi_axes).sum())
+
+
+def kinetic_energies(system):
+    """Translational energy, and rotational energy without the spin of bodies of revolution about their axes, which never changes."""
+    translation = 0.5 * (system.masses[:, None] * system.velocities**2).sum()
+    kinds = symmetry_axes(system.semi_axes)
+    axis, u = axis_directions(system)
+    along = (system.angular_velocities * u).sum(axis=1, keepdims=True) * u
+    active = np.where((kinds < 3)[:, None], system.angular_velocities - along, system.angular_velocities)
+    moments = system.moments[np.arange(system.n), (axis + 1) % 3]
+    return translation, 0.5 * (moments * (active**2).sum(axis=1))[kinds < 4].sum()
+
+
+def temperature_of(system):
+    """kT = 2 E / degrees of freedom."""
+    return 2 * sum(kinetic_energies(system)) / degrees_of_freedom(system)
+
+
+def _packing_fraction(value):
+    return checks.real_number("packing_fraction", value, "a number between 0 and 1", above=0, below=1)
+
+
+def _laid_down(semi_axes, edge, rng):
+    """Random positions and orientations; one body of every overlapping pair is laid down again until none overlaps."""
+    n, box = len(semi_axes), edge * np.eye(3)
+    positions, orientations = rng.uniform(0, edge, size=(n, 3)), rng.normal(size=(n, 4))
+    for _ in range(ATTEMPTS):
+        _, second, f = contact_functions(positions, orientations, semi_axes, box)
+        again = np.unique(second[f < 1.01])
+        if len(again) == 0:
+            return positions, orientations
+        positions[again], orientations[again] = rng.uniform(0, edge, size=(len(again), 3)), rng.normal(size=(len(again), 4))
+    raise ValueError(f"no room for {n} bodies of {semi_axes.max():.6g} in a cell of edge {edge:.6g}: use more bodies")

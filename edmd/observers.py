@@ -1,0 +1,121 @@
+"""What to see of a run, and when. Observers are handed a view, a synchronised copy: nothing they do changes the run."""
+
+from functools import cached_property
+
+from ccd import checks
+
+
+class View:
+    """A simulation at a moment: n, time, collisions, packing_fraction; `system` (a synchronised copy) with its `images`; energy; and the
+    `interval` of the upkeep just done (see `averages.Interval`, empty at the start and the end) with its `means`."""
+
+    def __init__(self, simulation, interval):
+        self.n, self.time, self.collisions = simulation.n, simulation.time, simulation.collisions
+        self.packing_fraction, self.interval = simulation.packing_fraction, interval
+        self._simulation = simulation
+
+    @cached_property
+    def _copy(self):
+        return self._simulation.synchronised()
+
+    @property
+    def system(self):
+        return self._copy[0]
+
+    @property
+    def images(self):
+        return self._copy[1]
+
+    @property
+    def energy(self):
+        return self._simulation.energy
+
+    @property
+    def means(self):
+        return self.means_over(self.interval)
+
+    def means_over(self, interval):
+        return self._simulation.means_over(interval)
+
+
+class Every:
+    """When: at every multiple of a time, of a number of collisions, or of collisions per particle, exactly. Give one of them."""
+
+    def __init__(self, time=None, collisions=None, collisions_per_particle=None):
+        given = {"time": time, "collisions": collisions, "collisions_per_particle": collisions_per_particle}
+        chosen = {name: value for name, value in given.items() if value is not None}
+        if len(chosen) != 1:
+            raise ValueError(f"Every({', '.join(chosen) or 'nothing'}): expected exactly one of time, collisions, collisions_per_particle")
+        (self.unit, value), = chosen.items()
+        self.interval = checks.real_number(self.unit, value, "a positive number", above=0)
+        self._next = None
+
+    def start(self, view):
+        self._next = self._now(view) + self._step(view)
+
+    def next_time(self):
+        return self._next if self.unit == "time" else float("inf")
+
+    def next_collisions(self):
+        return self._next if self.unit != "time" else float("inf")
+
+    def due(self, view):
+        """Whether the moment has come; then the next one is set."""
+        if self._now(view) < self._next:
+            return False
+        while self._next <= self._now(view):
+            self._next += self._step(view)
+        return True
+
+    def _now(self, view):
+        return view.time if self.unit == "time" else view.collisions
+
+    def _step(self, view):
+        if self.unit == "time":
+            return self.interval
+        return max(1, round(self.interval if self.unit == "collisions" else self.interval * view.n / 2))
+
+
+class Milestones:
+    """When: as the packing fraction has risen by a step, or the reduced pressure by a factor. Looked at after every upkeep interval."""
+
+    def __init__(self, packing_fraction=0.01, pressure_factor=2.0):
+        self.step = checks.real_number("packing_fraction", packing_fraction, "a positive number", above=0)
+        self.factor = checks.real_number("pressure_factor", pressure_factor, "a number above 1", above=1)
+        self._fraction = self._pressure = None
+
+    def start(self, view):
+        self._fraction, self._pressure = view.packing_fraction, None
+
+    def next_time(self):
+        return float("inf")
+
+    next_collisions = next_time
+
+    def due(self, view):
+        pressure = view.means.reduced_pressure
+        if self._pressure is None and pressure == pressure:
+            self._pressure = pressure
+        risen = self._pressure is not None and pressure > self.factor * self._pressure
+        if not risen and view.packing_fraction < self._fraction + self.step:
+            return False
+        self._fraction, self._pressure = view.packing_fraction, pressure
+        return True
+
+
+class Observer:
+    """Something that sees a run: subclass with `see(view)`, or give a function of the view. `when`: Every(...) or Milestones(...)."""
+
+    def __init__(self, when, see=None):
+        self.when = when
+        if see is not None:
+            self.see = see
+
+    def start(self, view):
+        """Called before the first event."""
+
+    def upkeep(self, view):
+        """Called after every upkeep interval of a few collisions a body: for progress and logs."""
+
+    def finish(self, view):
+        """Called after the last event."""

@@ -1,0 +1,1 @@
+"""Collision rules: contact in, impulse out."""

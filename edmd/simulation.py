@@ -1,0 +1,311 @@
+"""Simulation: blocks of events between observers, compression, and what has gone wrong in words."""
+
+import json
+import os
+from math import inf, isinf, sqrt
+from pathlib import Path
+
+import numpy as np
+
+from ccd import checks
+from edmd import building, epoch, state
+from edmd.averages import Interval
+from edmd.engine import advance_events
+from edmd.events import Ended
+from edmd.inertia import axis_directions, shape_turning, symmetry_axes
+from edmd.initial import degrees_of_freedom
+from edmd.observers import View
+from edmd.state import EPOCH, GROWTH, NOW, SIZE
+from edmd.system import System
+from edmd.verify import verify_world
+
+OVERLAP = 1e-10             # relative depth from which a start counts as overlapping
+BLOCK = 200_000             # collisions after which Python looks for an interrupt
+JAMMED = 1e12               # reduced pressure that float64 can still resolve
+
+
+class Stalled(RuntimeError):
+    """Events go on but time stands still."""
+
+
+class Simulation:
+    """Event-driven dynamics of a System: smooth, elastic hard ellipsoids in free flight between collisions.
+
+    ValueError when bodies overlap or the cell is too small. seed is kept with the run for its records; the dynamics draws no numbers.
+    One system, one result: every run repeats bit for bit, whatever looks at it and however it is cut into blocks.
+    """
+
+    def __init__(self, system, seed=0):
+        if not isinstance(system, System):
+            raise ValueError(f"system = {system!r}: expected an edmd.System")
+        first, second, f = system.contact_functions()
+        if len(f) and sqrt(f.min()) < 1 - OVERLAP:
+            worst = f.argmin()
+            raise ValueError(f"system: bodies {first[worst]} and {second[worst]} overlap (they touch when scaled by {sqrt(f[worst]):.6g}); "
+                             "expected a start without overlap")
+        self.seed = seed
+        self._system = system.copy()
+        self._world = building.build_world(system)
+        self._spin = shape_turning(system)[2]
+        self._grown_inertia = 1.0
+        self._done = self._before = Interval()
+
+    # what is now
+
+    @property
+    def n(self):
+        return self._system.n
+
+    @property
+    def time(self):
+        return float(self._world.clock[EPOCH] + self._world.clock[NOW])
+
+    @property
+    def collisions(self):
+        """Collisions since the start; each counts once for its pair."""
+        return int(self._world.tally[state.COLLISIONS])
+
+    @property
+    def size(self):
+        """Factor on the semi-axes since the start."""
+        clock = self._world.clock
+        return float(clock[SIZE] + clock[GROWTH] * clock[NOW])
+
+    @property
+    def packing_fraction(self):
+        return self._system.packing_fraction * self.size**3
+
+    @property
+    def energy(self):
+        """Kinetic energy that collisions exchange (without the spin of bodies of revolution about their axes)."""
+        return float(epoch.kinetic_energy(self._world))
+
+    @property
+    def temperature(self):
+        """kT = 2 E / (3 n - 3 + active rotational degrees of freedom)."""
+        return 2 * self.energy / degrees_of_freedom(self._system)
+
+    @property
+    def nematic_order(self):
+        """Largest eigenvalue of the mean of (3 u u - 1) / 2 over the symmetry axes u (the longest axis where all three differ)."""
+        system = self.system
+        w, v = system.orientations[:, :1], system.orientations[:, 1:]
+        axis = np.where(symmetry_axes(system.semi_axes) == 3, system.semi_axes.argmax(axis=1), np.minimum(symmetry_axes(system.semi_axes), 2))
+        e = np.eye(3)[axis]
+        turned = 2 * np.cross(v, e)
+        u = e + w * turned + np.cross(v, turned)
+        return float(np.linalg.eigvalsh(1.5 * (u.T @ u) / len(u) - 0.5 * np.eye(3))[-1])
+
+    @property
+    def system(self):
+        """A synchronised copy of the bodies; reading it never changes the run."""
+        return self.synchronised()[0]
+
+    def synchronised(self):
+        """The System of now, positions in the cell, and the images (n, 3) they belong to: unwrapped = positions + images @ box."""
+        rows, images = building.synchronised_rows(self._world)
+        like = self._system
+        axis, _ = axis_directions(like)
+        angle = 0.5 * self._spin * self.time
+        spun = np.zeros((self.n, 4))
+        spun[:, 0] = np.cos(angle)
+        spun[np.arange(self.n), 1 + axis] = np.sin(angle)
+        system = System(rows.positions, _product(rows.orientations, spun), like.semi_axes * self.size, like.box, rows.velocities,
+                        None, like.masses, like.inertia, like.species)
+        system.angular_velocities = rows.turning + self._spin[:, None] * axis_directions(system)[1]
+        system.moments = like.moments * self._grown_inertia
+        return system, images
+
+    # what was seen over the most recent run or compression
+
+    @property
+    def means(self):
+        """Averages over the most recent run() or compress(): see `averages.Means`."""
+        return self.means_over(self._done.plus(self._current()).minus(self._before))
+
+    @property
+    def pressure(self):
+        return self.means.pressure
+
+    @property
+    def compressibility_factor(self):
+        """Z = P V / (n kT)."""
+        return self.means.reduced_pressure
+
+    @property
+    def collision_rate(self):
+        """Collisions per particle per time; each counts for both."""
+        return self.means.collision_rate
+
+    def means_over(self, interval):
+        """Averages over an `averages.Interval` of this simulation."""
+        return interval.means(self.n, degrees_of_freedom(self._system), self._system.volume)
+
+    # what can be done
+
+    def run(self, time=None, collisions=None, collisions_per_particle=None, observers=()):
+        """Go on for a time, or for a number of collisions, in all or per particle (2 collisions / n). Exactly one is given."""
+        given = {"time": time, "collisions": collisions, "collisions_per_particle": collisions_per_particle}
+        chosen = [name for name, value in given.items() if value is not None]
+        if len(chosen) != 1:
+            raise ValueError(f"run({', '.join(chosen)}): expected exactly one of {', '.join(given)}")
+        length = checks.real_number(chosen[0], given[chosen[0]], "a positive number", above=0)
+        until_time = self.time + length if time is not None else inf
+        until_collisions = inf
+        if time is None:
+            until_collisions = self.collisions + round(length if collisions is not None else length * self.n / 2)
+        self._begin(observers)
+        self._follow(until_time, until_collisions, observers, lambda: epoch.start_epoch(self._world))
+        self._finish(observers)
+        return self
+
+    def compress(self, rate, until_pressure=None, until_packing_fraction=None, observers=()):
+        """Let all semi-axes grow as 1 + rate t (Lubachevsky and Stillinger) at kT = 1, to a reduced pressure P V / (n kT) or a packing
+        fraction, which is met exactly. Exactly one is given. A negative rate expands, to a packing fraction.
+
+        Velocities are rescaled to kT = 1 every few collisions a body, where the moments of inertia follow the size. The masses stay.
+        Smooth growth pumps energy: the pressure is that at the mean temperature of the interval.
+        """
+        rate = checks.real_number("rate", rate, "a growth rate, not zero")
+        if rate == 0:
+            raise ValueError("rate = 0: expected a growth rate, not zero")
+        if (until_pressure is None) == (until_packing_fraction is None):
+            raise ValueError("expected exactly one of until_pressure and until_packing_fraction")
+        if self.energy == 0:
+            raise ValueError("the bodies are at rest: compression needs a temperature; see edmd.thermalized")
+        until_time = inf
+        if until_pressure is not None:
+            until_pressure = checks.real_number("until_pressure", until_pressure, f"a reduced pressure above 1, at most {JAMMED:g}", above=1,
+                                                below=JAMMED * (1 + 1e-12))
+            if rate < 0:
+                raise ValueError(f"rate = {rate}: expected a positive rate with until_pressure")
+        else:
+            goal = checks.real_number("until_packing_fraction", until_packing_fraction, "a number between 0 and 1", above=0, below=1)
+            if (goal - self.packing_fraction) * rate <= 0:
+                raise ValueError(f"until_packing_fraction = {goal}: the packing fraction is {self.packing_fraction:.6g} and rate = {rate} "
+                                 "leads away from it")
+            until_time = self.time + (np.cbrt(goal / self.packing_fraction) - 1) / rate
+        self._to_unit_temperature()
+        self._begin(observers)
+        self._act(epoch.set_growth, rate * self.size)
+        try:
+            self._follow(until_time, inf, observers, self._to_unit_temperature, until_pressure or inf)
+            if until_packing_fraction is not None:
+                self._meet_packing_fraction(goal)
+        finally:
+            self._act(epoch.set_growth, 0.0)
+            self._new_epoch(self._to_unit_temperature)
+        self._finish(observers)
+        return self
+
+    def verify(self):
+        """Check every invariant of the run: AssertionError says what is wrong."""
+        verify_world(self._world, self.system)
+
+    def save(self, path):
+        """Write the exact state to a file; `Simulation.load` goes on from it bit for bit."""
+        path = Path(path)
+        arrays = {f"world.{name}": array for name, array in building.flattened(self._world)}
+        like = self._system
+        arrays |= {f"system.{name}": getattr(like, name) for name in
+                   ("positions", "orientations", "semi_axes", "box", "velocities", "angular_velocities", "masses", "species", "moments")}
+        facts = {"inertia": like.inertia if isinstance(like.inertia, str) else "moments", "seed": self.seed,
+                 "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "format": 1}
+        partial = path.with_name(path.name + ".partial")
+        with open(partial, "wb") as file:
+            np.savez(file, facts=json.dumps(facts), spin=self._spin, **arrays)
+        os.replace(partial, path)
+
+    @classmethod
+    def load(cls, path):
+        """The simulation that `save` wrote."""
+        try:
+            with np.load(path, allow_pickle=False) as saved:
+                arrays = {name: saved[name] for name in saved.files}
+            facts = json.loads(str(arrays.pop("facts")))
+            system = {name.removeprefix("system."): array for name, array in arrays.items() if name.startswith("system.")}
+            moments = system.pop("moments")
+            simulation = cls.__new__(cls)
+            simulation._system = System(**system, inertia=facts["inertia"] if facts["inertia"] != "moments" else moments)
+            simulation._world = building.unflattened({name.removeprefix("world."): array for name, array in arrays.items()
+                                                      if name.startswith("world.")})
+            simulation._spin, simulation.seed = arrays["spin"], facts["seed"]
+            simulation._grown_inertia = facts["grown_inertia"]
+            simulation._done, simulation._before = Interval(*facts["done"]), Interval(*facts["before"])
+        except (OSError, ValueError, KeyError) as problem:
+            raise ValueError(f"path = {str(path)!r}: not a state written by Simulation.save ({problem})") from None
+        return simulation
+
+    # blocks of events
+
+    def _begin(self, observers):
+        self._done, self._before = Interval(), self._current()
+        view = View(self, Interval())
+        for observer in observers:
+            observer.when.start(view)
+            observer.start(view)
+
+    def _follow(self, until_time, until_collisions, observers, upkeep, until_pressure=inf):
+        """Events until a time, a number of collisions or a reduced pressure, in blocks that end where an observer is due."""
+        interval = Interval()
+        while True:
+            time = min([until_time, *(observer.when.next_time() for observer in observers)])
+            collisions = min([until_collisions, self.collisions + BLOCK, *(observer.when.next_collisions() for observer in observers)])
+            if self._block(time, collisions) == Ended.EPOCH:
+                interval = self._new_epoch(upkeep)
+                for observer in observers:
+                    observer.upkeep(View(self, interval))
+            for observer in observers:
+                if observer.when.due(View(self, interval)):
+                    observer.see(View(self, interval))
+            if (self.time >= until_time or self.collisions >= until_collisions
+                    or self.means_over(interval).reduced_pressure >= until_pressure):
+                return
+
+    def _finish(self, observers):
+        for observer in observers:
+            observer.finish(View(self, Interval()))
+
+    def _new_epoch(self, upkeep):
+        """The upkeep that begins a new epoch; -> the sums of the one that ends."""
+        interval = self._current()
+        self._done = self._done.plus(interval)
+        upkeep()
+        return interval
+
+    def _current(self):
+        """The sums of this epoch so far."""
+        clock, tally = self._world.clock, self._world.tally
+        energy_time = clock[state.ENERGY_TIME] + clock[state.ENERGY] * (clock[NOW] - clock[state.ENERGY_SINCE])
+        return Interval(float(clock[NOW]), int(tally[state.COLLISIONS] - tally[state.EPOCH_BEGAN]), float(clock[state.VIRIAL]),
+                        float(energy_time))
+
+    def _block(self, until_time, until_collisions):
+        relative = until_time - self._world.clock[EPOCH]
+        limit = np.iinfo(np.int64).max if isinf(until_collisions) else int(until_collisions)
+        return self._act(advance_events, relative, limit)
+
+    def _act(self, kernel, *arguments):
+        self._world, status = building.with_room(self._world, kernel, *arguments)
+        if status == Ended.CELL_TOO_SMALL:
+            raise ValueError(building.cell_too_small(self._system.box))
+        if status == Ended.STALLED:
+            raise Stalled(f"time stands still at {self.time:.17g} after {self.collisions} collisions: body "
+                          f"{self._world.calendar.body[1]} has event after event; packing fraction {self.packing_fraction:.12g}")
+        return status
+
+    def _to_unit_temperature(self):
+        epoch.start_epoch(self._world)
+        inertia = self.size**2 / self._grown_inertia
+        epoch.rescale(self._world, 1 / sqrt(self.temperature), inertia)
+        self._grown_inertia *= inertia
+
+    def _meet_packing_fraction(self, goal):
+        clock = self._world.clock
+        clock[SIZE] = np.cbrt(goal / self._system.packing_fraction) - clock[GROWTH] * clock[NOW]
+
+
+def _product(p, q):
+    """Product of quaternions (n, 4)."""
+    pw, pv, qw, qv = p[:, :1], p[:, 1:], q[:, :1], q[:, 1:]
+    return np.hstack([pw * qw - (pv * qv).sum(axis=1, keepdims=True), pw * qv + qw * pv + np.cross(pv, qv)])

@@ -1,0 +1,137 @@
+"""System: the bodies, their motion and their periodic cell, as a user hands them over and gets them back."""
+
+from math import pi
+
+import numpy as np
+
+from ccd import Ellipsoid, batch, checks
+from ccd.culling import close_pairs
+from edmd.inertia import principal_moments
+
+
+class System:
+    """Hard ellipsoids in a periodic cell. Reduced units: lengths, masses and energies free, time = length sqrt(mass / energy).
+
+    positions (n, 3); orientations (n, 4), quaternions (w, x, y, z) that turn body into lab; semi_axes (3,), (n, 3) or, with species, one
+    row a species; box: edge length, (3,) edges, or (3, 3) with the cell vectors as rows, lower triangular (`edmd.from_ase` turns any
+    other cell). velocities, angular_velocities (n, 3), in the lab frame, default to rest. masses: one number or (n,).
+
+    inertia: "solid" (uniform density), "sphere" (isotropic, of the sphere of equal volume and mass), or principal moments (3,) or (n, 3).
+    A body of revolution then precesses exactly. The free rotation of a body with three different principal moments is not built yet:
+    a solid body with three different axes turns with the isotropic inertia of equal mean, m (a^2 + b^2 + c^2) 2 / 15, and three
+    different moments given by hand are refused. Structure, packing fraction and pressure in equilibrium do not depend on inertia.
+    species (n,): integers that label the bodies.
+    """
+
+    def __init__(self, positions, orientations, semi_axes, box, velocities=None, angular_velocities=None, masses=1.0, inertia="solid",
+                 species=None):
+        self.positions = checks.real_array("positions", positions, (None, 3), "an array (n, 3)")
+        n = len(self.positions)
+        if n == 0:
+            raise ValueError("positions is empty: expected at least one body")
+        self.orientations = checks.unit_quaternions("orientations", orientations, (n, 4), f"quaternions ({n}, 4)")
+        self.species = np.zeros(n, dtype=np.int32) if species is None else _labels(species, n)
+        self.semi_axes = _semi_axes(semi_axes, self.species)
+        self.box = cell_vectors(box)
+        still = np.zeros((n, 3))
+        what = f"an array ({n}, 3)"
+        self.velocities = still if velocities is None else checks.real_array("velocities", velocities, (n, 3), what)
+        self.angular_velocities = (still.copy() if angular_velocities is None
+                                   else checks.real_array("angular_velocities", angular_velocities, (n, 3), what))
+        self.masses = checks.real_array("masses", np.broadcast_to(masses, (n,)), (n,), f"one number or ({n},)")
+        if not (self.masses > 0).all():
+            raise ValueError(f"masses = {masses!r}: every mass must be positive")
+        self.inertia = inertia
+        self.moments = principal_moments(inertia, self.semi_axes, self.masses)
+
+    @property
+    def n(self):
+        return len(self.positions)
+
+    @property
+    def volume(self):
+        """Volume of the cell."""
+        return float(self.box[0, 0] * self.box[1, 1] * self.box[2, 2])
+
+    @property
+    def packing_fraction(self):
+        return float(4 * pi / 3 * self.semi_axes.prod(axis=1).sum() / self.volume)
+
+    @property
+    def bodies(self):
+        """The bodies at rest, for `ccd.batch`."""
+        return batch.Bodies(self.semi_axes, self.positions, self.orientations)
+
+    def body(self, index):
+        """One body as a `ccd.Ellipsoid`."""
+        return Ellipsoid(self.semi_axes[index], self.positions[index], self.orientations[index])
+
+    def copy(self):
+        return System(self.positions, self.orientations, self.semi_axes, self.box, self.velocities, self.angular_velocities,
+                      self.masses, self.inertia, self.species)
+
+    def contact_functions(self, gap=0.0):
+        """Close pairs (bounding spheres within a gap) and their contact functions: first (p,), second (p,), f (p,)."""
+        return contact_functions(self.positions, self.orientations, self.semi_axes, self.box, gap)
+
+    def smallest_scale(self):
+        """The factor by which all bodies must be scaled for the closest pair to touch: below 1 for an overlap, inf if none is close."""
+        _, _, f = self.contact_functions()
+        return float(np.sqrt(f.min())) if len(f) else np.inf
+
+    def to_ase(self):
+        """ase.Atoms with the arrays that OVITO maps to ellipsoids: orientation (x, y, z, w) and aspherical_shape (semi-axes)."""
+        import ase
+
+        atoms = ase.Atoms(numbers=np.zeros(self.n, dtype=int), positions=self.positions, cell=self.box, pbc=True)
+        atoms.set_masses(self.masses)
+        atoms.set_velocities(self.velocities)
+        atoms.set_array("orientation", self.orientations[:, [1, 2, 3, 0]])
+        atoms.set_array("aspherical_shape", self.semi_axes)
+        atoms.set_array("species", self.species)
+        return atoms
+
+
+def contact_functions(positions, orientations, semi_axes, box, gap=0.0):
+    """Close pairs of bodies in a periodic cell and their contact functions; see `System.contact_functions`."""
+    first, second, offset = close_pairs(positions, semi_axes.max(axis=1), box, gap)
+    f = batch.contact_function(batch.Bodies(semi_axes[first], np.zeros_like(offset), orientations[first]),
+                               batch.Bodies(semi_axes[second], offset, orientations[second]))
+    return first, second, f
+
+
+def wrap(positions, box):
+    """Positions inside the cell (n, 3), and the images (n, 3) they were in: positions = wrapped + images @ box."""
+    images = np.floor(positions @ np.linalg.inv(box))
+    return positions - images @ box, images.astype(np.int32)
+
+
+def cell_vectors(box):
+    """The cell vectors (3, 3) of a length, three edges, or rows; they must be right-handed and lower triangular."""
+    edges = np.asarray(box, dtype=float) if np.ndim(box) < 2 else None
+    if edges is not None:
+        box = np.diag(np.broadcast_to(edges, (3,))) if edges.shape in ((), (1,), (3,)) else box
+    box = checks.real_array("box", box, (3, 3), "a length, three edges (3,), or three cell vectors as rows (3, 3)")
+    if np.triu(box, 1).any() or not (np.diag(box) > 0).all():
+        raise ValueError(f"box = {box.tolist()}: expected positive edges and a lower triangular matrix (first vector along x, second in "
+                         "the xy plane); edmd.from_ase brings any other cell into this form")
+    return box
+
+
+def _labels(species, n):
+    labels = np.asarray(species)
+    if labels.shape != (n,) or not np.issubdtype(labels.dtype, np.integer) or (labels < 0).any():
+        raise ValueError(f"species: expected {n} integers from 0 on, not {species!r}")
+    return labels.astype(np.int32)
+
+
+def _semi_axes(value, species):
+    n = len(species)
+    if np.ndim(value) == 1:
+        return np.tile(checks.semi_axes("semi_axes", value), (n, 1))
+    rows = checks.semi_axes("semi_axes", value, (None, 3), f"three lengths, one row of three a species, or ({n}, 3)")
+    if len(rows) == n:
+        return rows
+    if len(rows) == species.max() + 1:
+        return rows[species]
+    raise ValueError(f"semi_axes has {len(rows)} rows: expected {n} (one a body) or {species.max() + 1} (one a species)")

@@ -1,0 +1,13 @@
+"""Every tolerance and tuning number of the engine, with its unit and what it buys. The collision detection's are in ccd/tolerances.py."""
+
+MARGIN = 0.35                # margin of a body's neighbourhood, in units of its equivalent radius (abc)^(1/3)
+REBUILD_BEYOND = 0.6        # fraction of the margin that a body has really come when its list is rebuilt rather than extended
+SURELY_NEAR = 0.7           # fraction of the sum of margins below which a neighbour stays without a better plane
+SAFE = 1 - 1e-9             # factor on margins: covers the rounding of the displacement
+REFINE_BELOW = 0.3          # a pair's plane is renewed when it holds for less than this, in units of the mean free time
+EPOCH_COLLISIONS = 4        # collisions per body between two upkeeps (and at least EPOCH_LEAST in all)
+EPOCH_LEAST = 64
+GROWTH_HORIZON = 1e-2       # relative growth for which one prediction is made, at most
+STALL_EVENTS = 10_000       # events without progress of time (plus 100 per body) after which the engine gives up
+LIST_ROOM = 16              # first capacity of a neighbour list; it grows when needed
+CELL_FRACTION = 0.5         # width of a grid cell in units of the largest list radius

@@ -1,0 +1,142 @@
+"""Every invariant of a World, checked on other paths than the engine's: pairs from a tree over all images, contacts from `ccd`.
+
+Cost grows as the number of close pairs times 30 microseconds: for tests and for files, not for every block of a long run.
+"""
+
+import numpy as np
+
+from ccd import Ellipsoid, Status, batch, separation
+from ccd.culling import close_pairs
+from edmd import state
+from edmd.epoch import kinetic_energy
+from edmd.flight import advance_all
+
+DEPTH = 1e-11           # relative depth up to which a touching pair may read as overlapping
+ENERGY_ERROR = 1e-10    # relative
+EARLY = 1e-13           # by how much a contact may come before its prediction: the time in which a body moves by this part of its length
+PLANE_LOSS = 0.1        # relative amount by which the list's best plane may fall short of the distance it bounds
+
+
+def verify_world(world, system):
+    """AssertionError when bodies overlap, a list misses a neighbour, the calendar is out of order, a prediction is no lower bound, or the
+    energy is not the one accounted for. system: the synchronised copy of the world."""
+    check_overlaps(system)
+    _check_links(world)
+    _check_calendar(world)
+    _check_margins(world)
+    _check_lists(world, system)
+    _check_predictions(world)
+    counted, is_now = world.clock[state.ENERGY], kinetic_energy(world)
+    assert abs(counted - is_now) <= ENERGY_ERROR * is_now, f"energy {is_now!r}, but the collisions account for {counted!r}"
+
+
+def check_overlaps(system):
+    """No two bodies overlap, by their contact functions."""
+    first, second, f = system.contact_functions()
+    if len(f):
+        worst = f.argmin()
+        assert f[worst] >= 1 - 2 * DEPTH, f"bodies {first[worst]} and {second[worst]} overlap: contact function {f[worst]!r}"
+
+
+def _pairs_in_use(world):
+    """Row of the pair table, body, slot for every entry of every list."""
+    count = world.lists.count
+    body = np.repeat(np.arange(len(count)), count)
+    slot = np.concatenate([np.arange(c) for c in count]) if len(count) else np.empty(0, dtype=int)
+    return world.lists.pair[body, slot], body, slot
+
+
+def _check_links(world):
+    pair, body, slot = _pairs_in_use(world)
+    link = world.pairs.link[pair]
+    is_a = (link[:, state.BODY_A] == body) & (link[:, state.SLOT_A] == slot)
+    is_b = (link[:, state.BODY_B] == body) & (link[:, state.SLOT_B] == slot)
+    assert (is_a | is_b).all(), "a list entry and its pair do not point at each other"
+    rows, times = np.unique(pair, return_counts=True)
+    assert (times == 2).all(), "a pair is not in exactly two lists"
+    assert len(rows) + world.tally[state.FREE_PAIRS] == len(world.pairs.link), "a row of the pair table is lost"
+    held = np.isfinite(world.lists.time[body, slot])
+    assert (np.bincount(pair[held], minlength=len(world.pairs.link))[rows] <= 1).all(), "both bodies hold the prediction of a pair"
+
+
+def _check_calendar(world):
+    calendar, n = world.calendar, len(world.bodies)
+    leaves = len(calendar.time) // 2
+    for node in range(leaves - 1, 0, -1):
+        winner = min((calendar.time[child], calendar.body[child]) for child in (2 * node, 2 * node + 1))
+        assert (calendar.time[node], calendar.body[node]) == winner, f"node {node} of the calendar is not the earlier of its children"
+    entry = calendar.time[leaves:leaves + n]
+    inside = np.arange(world.lists.time.shape[1]) < world.lists.count[:, None]
+    earliest = np.where(inside, world.lists.time, np.inf).min(axis=1)
+    assert (entry <= np.minimum(earliest, world.anchors[:, state.ESCAPE_TIME])).all(), "a body waits past its earliest event"
+    assert (entry >= world.clock[state.NOW] - 1e-12 * abs(world.clock[state.NOW])).all(), "an event lies in the past"
+
+
+def _check_margins(world):
+    """Every body is within its margin: support values against the anchor's in many directions."""
+    rng = np.random.default_rng(0)
+    n = rng.normal(size=(64, 3))
+    n /= np.sqrt((n**2).sum(axis=1, keepdims=True))
+    clock = world.clock
+    size = clock[state.SIZE] + clock[state.GROWTH] * clock[state.NOW]
+    for row, anchor in zip(world.bodies, world.anchors):
+        if not np.isfinite(anchor[state.ANCHOR_POSITION]):
+            continue
+        come = row[state.POSITION:state.POSITION + 3] - anchor[state.ANCHOR_POSITION:state.ANCHOR_POSITION + 3]
+        now = size * np.linalg.norm(row[state.VECTORS:state.VECTORS + 9].reshape(3, 3) @ n.T, axis=0)
+        then = np.linalg.norm(anchor[state.ANCHOR_VECTORS:state.ANCHOR_VECTORS + 9].reshape(3, 3) @ n.T, axis=0)
+        assert (n @ come + now - then <= anchor[state.ANCHOR_MARGIN]).all(), "a body has left its margin before its escape"
+
+
+def _anchored(world, body, offset):
+    row, anchor = world.bodies[body], world.anchors[body]
+    axes = row[state.SEMI_AXES:state.SEMI_AXES + 3] * anchor[state.ANCHOR_SIZE]
+    return Ellipsoid(axes, offset, anchor[state.ANCHOR_ORIENTATION:state.ANCHOR_ORIENTATION + 4])
+
+
+def _check_lists(world, system):
+    """Every pair of images whose anchors are nearer than their margins is listed."""
+    position = world.anchors[:, state.ANCHOR_POSITION:state.ANCHOR_POSITION + 3]
+    first, second, offset = close_pairs(position, world.anchors[:, state.ANCHOR_RADIUS], system.box)
+    pair, _, _ = _pairs_in_use(world)
+    link = world.pairs.link[np.unique(pair)]
+    a, b = link[:, state.BODY_A], link[:, state.BODY_B]
+    vector = position[b] + link[:, state.SHIFT:state.SHIFT + 3] @ system.box - position[a]
+    listed = {_key(i, j, v) for i, j, v in zip(a, b, vector)} | {_key(j, i, -v) for i, j, v in zip(a, b, vector)}
+    margin = world.anchors[:, state.ANCHOR_MARGIN]
+    for i, j, v in zip(first, second, offset):
+        if _key(i, j, v) not in listed:
+            gap = separation(_anchored(world, i, np.zeros(3)), _anchored(world, j, v)).gap
+            assert gap >= (1 - PLANE_LOSS) * (margin[i] + margin[j]), f"bodies {i} and {j} are neighbours, {gap!r} apart, and not listed"
+
+
+def _key(i, j, vector):
+    return int(i), int(j), *(round(float(x), 6) + 0.0 for x in vector)
+
+
+def _check_predictions(world):
+    """No pair touches before the time that is on record for it."""
+    clock = world.clock
+    now, size = clock[state.NOW], clock[state.SIZE] + clock[state.GROWTH] * clock[state.NOW]
+    pair, body, slot = _pairs_in_use(world)
+    times = world.lists.time[body, slot]
+    held = np.isfinite(times)
+    if not held.any():
+        return
+    link, span = world.pairs.link[pair[held]], times[held] - now
+    rows = world.bodies.copy()
+    advance_all(rows, now)
+    def bodies(index, shift):
+        part = rows[index]
+        return batch.Bodies(part[:, state.SEMI_AXES:state.SEMI_AXES + 3] * size, part[:, state.POSITION:state.POSITION + 3] + shift,
+                            part[:, state.ORIENTATION:state.ORIENTATION + 4], part[:, state.VELOCITY:state.VELOCITY + 3],
+                            part[:, state.TURNING:state.TURNING + 3], clock[state.GROWTH] / size)
+    free_time = clock[state.REFINE]
+    longest = max(min(span.max(), 100 * free_time), 1e-300)
+    a = bodies(link[:, state.BODY_A], 0.0)
+    b = bodies(link[:, state.BODY_B], link[:, state.SHIFT:state.SHIFT + 3] @ world.grid.box)
+    time, status = batch.first_contact(a, b, longest)
+    speed = np.sqrt((rows[:, state.VELOCITY:state.VELOCITY + 3]**2).sum(axis=1).mean())
+    slack = EARLY * size * rows[:, state.LARGEST].max() / speed if speed > 0 else 0.0
+    early = (status == Status.CONTACT) & (time < np.minimum(span, longest) - slack)
+    assert not early.any(), f"a pair touches at {time[early][0]!r}, before its prediction {span[early][0]!r}"

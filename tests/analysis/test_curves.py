@@ -1,0 +1,63 @@
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from runs import fcc, write_run
+
+import analysis
+from analysis.curves import describe
+
+POSITIONS, CELL = fcc(2)
+
+
+def write(path, packing_fraction, axes=(0.5, 0.5, 0.5), parameters=None):
+    m = len(packing_fraction)
+    noise = 1 + 0.02 * np.sin(np.arange(m))
+    log = {
+        "time": np.linspace(0, 50, m),
+        "collisions": np.arange(m) * 1000,
+        "packing_fraction": packing_fraction,
+        "reduced_pressure": np.r_[np.full(min(m, 1), np.nan), 3 / (1 - packing_fraction[1:] / 0.71) * noise[1:]],
+        "pressure": np.ones(m),
+        "temperature": noise,
+        "collision_rate": np.ones(m),
+    }
+    return write_run(path, POSITIONS, [1, 0, 0, 0], axes, CELL, [0], log=log, parameters=parameters)
+
+
+@pytest.mark.parametrize("packing_fraction", [0.7099 - 0.4 * np.exp(-np.linspace(0, 8, 80)), np.full(80, 0.4)])
+def test_a_run_is_drawn(tmp_path, packing_fraction):
+    path = write(tmp_path / "run.h5md", packing_fraction)
+    output = tmp_path / "curves.png"
+    assert analysis.plot_compression(path, output) == str(output)
+    pixels = imread(output)[..., :3]
+    line = np.abs(pixels - np.array([0x1F, 0x4E, 0x8C]) / 255).max(axis=2) < 0.02
+    half = line.shape[1] // 2
+    assert line[:, :half].sum() > 500
+    assert line[:, half:].sum() > 500
+
+
+def test_a_compression_and_a_run_at_rest_have_other_axes(tmp_path):
+    compression = write(tmp_path / "a.h5md", np.linspace(0.3, 0.7, 30))
+    equilibrium = write(tmp_path / "b.h5md", np.full(30, 0.4))
+    expected = {compression: ("packing fraction", "reduced pressure"), equilibrium: ("reduced pressure", "temperature")}
+    for path, labels in expected.items():
+        analysis.plot_compression(path, tmp_path / "out.svg")
+        text = (tmp_path / "out.svg").read_text()
+        assert all(label in text for label in labels)
+
+
+def test_the_title_tells_bodies_and_parameters(tmp_path):
+    path = write(tmp_path / "run.h5md", np.full(3, 0.4), (0.5, 0.5, 0.75), {"n": 32, "rate": 1e-4, "seed": 7, "nested": {"a": 1}})
+    assert describe(path) == "32 ellipsoids 1:1:1.5, rate 0.0001, seed 7"
+
+
+def test_an_empty_log_is_refused(tmp_path):
+    path = write(tmp_path / "run.h5md", np.empty(0))
+    with pytest.raises(ValueError, match=r"path: .* no entries in its log"):
+        analysis.plot_compression(path, tmp_path / "out.png")
+
+
+def test_the_log_is_read_as_it_stands(tmp_path):
+    log = analysis.read_log(write(tmp_path / "run.h5md", np.linspace(0.3, 0.7, 5)))
+    np.testing.assert_array_equal(log["packing_fraction"], np.linspace(0.3, 0.7, 5))
+    assert set(log) == {"time", "collisions", "packing_fraction", "reduced_pressure", "pressure", "temperature", "collision_rate"}
