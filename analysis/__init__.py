@@ -7,11 +7,12 @@ when it is first used.
 
 import importlib
 
-from analysis.contacts import ContactNumbers, contact_numbers, contact_pairs, rattlers
+from analysis.contacts import ContactNumbers
 from analysis.order import NematicOrder, body_axes, nematic_order, nematic_tensor
 from analysis.radial import RadialDistribution, radial_distribution
 from analysis.reader import EDMDParser, EDMDReader
 from analysis.summary import summarize
+from ccd.contacts import contact_numbers, contact_pairs, rattlers
 
 _DRAWING = {"image": "picture", "plot_compression": "curves", "read_log": "curves", "render": "picture"}
 

@@ -3,6 +3,8 @@
 import numpy as np
 from MDAnalysis.analysis.base import AnalysisBase
 
+from ccd.quaternions import rotation_matrices
+
 
 def nematic_tensor(axes):
     """Q = <3 u u - 1> / 2 of the unit vectors `axes` (n, 3): symmetric, traceless, the same for u and -u. Returns (3, 3)."""
@@ -43,19 +45,6 @@ def body_axes(orientations, semi_axes):
     equal = [np.isclose(axes[:, i], axes[:, j], rtol=1e-9, atol=0) for i, j in ((0, 1), (1, 2), (0, 2))]
     chosen = np.select(equal, [2, 0, 1], default=np.argmax(axes, axis=1))
     return rotation_matrices(q)[np.arange(len(q)), :, chosen]
-
-
-def rotation_matrices(orientations):
-    """The rotation matrix of each unit quaternion (n, 4), scalar first.
-
-    Returns (n, 3, 3), whose columns are the body's axes in the lab.
-    """
-    w, x, y, z = np.asarray(orientations, dtype=float).T
-    return np.stack([
-        np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], axis=-1),
-        np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], axis=-1),
-        np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1),
-    ], axis=-2)
 
 
 class NematicOrder(AnalysisBase):

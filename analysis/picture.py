@@ -7,9 +7,9 @@ import MDAnalysis as mda
 import numpy as np
 
 from analysis import colours
-from analysis.contacts import contact_numbers, contact_pairs, rattlers
 from analysis.raycasting import draw_bodies, draw_segment, empty_map, surfaces
 from analysis.shading import GLOSS, develop, frame_towards, light_on, visible_samples
+from ccd.contacts import contact_numbers, contact_pairs, rattlers
 
 RAYS = 3  # rays a side of a pixel
 MARGIN = 1.03
@@ -23,7 +23,7 @@ def render(source, output, frame=-1, colour="orientation", size=(900, 900), view
     negative from the end. `colour`: "orientation", "species" or "contacts" (see analysis.colours). `size` is (width,
     height) in pixels; `view` the direction from which one looks, in the lab, with z up; `cell` draws the edges of the
     periodic cell. Every body is drawn whole, its center inside the cell. Returns the path written. ValueError for any other
-    colour, a frame that is not there, or a size below one pixel.
+    colour, a frame that is not there, a size below one pixel or a view of length zero.
     """
     if colour not in ("orientation", "species", "contacts"):
         raise ValueError(f'colour: {colour!r}; "orientation", "species" or "contacts" is needed')
@@ -33,9 +33,9 @@ def render(source, output, frame=-1, colour="orientation", size=(900, 900), view
     universe = mda.Universe(source) if opened else source
     trajectory = universe.trajectory
     current = trajectory.frame
-    if not -len(trajectory) <= frame < len(trajectory):
-        raise ValueError(f"frame: {frame}; the run has {len(trajectory)}: 0 to {len(trajectory) - 1}, or negative from the end")
     try:
+        if not -len(trajectory) <= frame < len(trajectory):
+            raise ValueError(f"frame: {frame}; the run has {len(trajectory)}; negative counts from the end")
         data = trajectory[frame].data
         positions, orientations, semi_axes, box = (data[name] for name in ("position", "orientation", "semi_axes", "cell"))
         paint = body_colours(colour, universe.atoms, data)

@@ -3,7 +3,8 @@
 import numpy as np
 from MDAnalysis.analysis.base import AnalysisBase
 
-from analysis.neighbors import checked_frame, near_pairs
+from ccd.checks import real_array
+from ccd.culling import near_pairs
 
 
 def radial_distribution(positions, cell, r_max, bins=100):
@@ -14,7 +15,8 @@ def radial_distribution(positions, cell, r_max, bins=100):
     pairs n (n - 1) / V: an ideal gas has g = 1 on average in every shell at any n. Returns (r (bins,) the middle of each
     shell, g (bins,)).
     """
-    positions, cell = checked_frame(positions, cell)
+    positions = real_array("positions", positions, (None, 3), "an array (n, 3)")
+    cell = real_array("cell", cell, (3, 3), "three cell vectors as rows (3, 3)")
     n = len(positions)
     if n < 2:
         raise ValueError(f"positions: {n} bodies; at least 2 are needed")

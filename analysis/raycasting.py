@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analysis.order import rotation_matrices
 from ccd.compiling import kernel
+from ccd.quaternions import rotation_matrices
 
 BACKGROUND, EDGE = -1, -2
 

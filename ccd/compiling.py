@@ -20,11 +20,11 @@ FOLDERS_KEPT = 4                 # caches of earlier sources, for people who swi
 _IMPORT = re.compile(r"^\s*from\s+([\w.]+)\s+import\s+(.+)$", re.MULTILINE)
 
 
-def kernel_sources():
-    """Files that hold a kernel, and every file of these packages that they import, directly or not."""
-    files = {str(path.relative_to(ROOT))[:-3].replace(os.sep, "."): path for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
+def kernel_sources(package):
+    """Files of a package that hold a kernel, and every file of these packages that they import, directly or not: name -> text."""
+    files = {str(path.relative_to(ROOT))[:-3].replace(os.sep, "."): path for each in PACKAGES for path in (ROOT / each).rglob("*.py")}
     texts = {name: path.read_bytes() for name, path in files.items()}
-    reached = {name for name, text in texts.items() if re.search(rb"^@(parallel_)?kernel", text, re.MULTILINE)}
+    reached = {name for name, text in texts.items() if name.startswith(f"{package}.") and re.search(rb"^@(parallel_)?kernel", text, re.M)}
     frontier = list(reached)
     while frontier:
         for module, names in _IMPORT.findall(texts[frontier.pop()].decode()):
@@ -45,30 +45,35 @@ def _writable(folder):
 
 
 @functools.cache
-def cache_folder():
-    """The folder for compiled code: $EDMD_CACHE_DIR, else the user's cache folder, else the temporary one."""
+def cache_folder(package):
+    """The folder for the compiled code of a package: in $EDMD_CACHE_DIR, else in the user's cache folder, else in the temporary one.
+
+    None, which means no cache, where none can be written, and for code from elsewhere, whose sources are not known here.
+    """
+    if package not in PACKAGES:
+        return None
     digest = hashlib.sha256()
-    for name, text in kernel_sources().items():
+    for name, text in kernel_sources(package).items():
         digest.update(name.encode() + b"\0" + text)
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     candidates = [Path(os.environ["EDMD_CACHE_DIR"])] if "EDMD_CACHE_DIR" in os.environ else []
     candidates += [user / "edmd", Path(tempfile.gettempdir()) / f"edmd-{os.getuid() if hasattr(os, 'getuid') else 'user'}"]
     for base in candidates:
-        folder = base / f"kernels-{digest.hexdigest()[:16]}"
+        folder = base / f"{package}-{digest.hexdigest()[:16]}"
         if _writable(folder):
             os.utime(folder)
-            _forget_old(base, keep=folder)
+            _forget_old(base, package, keep=folder)
             return str(folder)
     return None
 
 
-def _forget_old(base, keep):
+def _forget_old(base, package, keep):
     def age(folder):
         try:
             return folder.stat().st_mtime
         except OSError:
             return 0.0
-    others = sorted((folder for folder in base.glob("kernels-*") if folder != keep), key=age)
+    others = sorted((folder for folder in base.glob(f"{package}-*") if folder != keep), key=age)
     for folder in others[:-FOLDERS_KEPT]:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -84,7 +89,7 @@ def parallel_kernel(function):
 
 
 def _compile(function, **options):
-    folder = cache_folder()
+    folder = cache_folder(function.__module__.split(".")[0])
     if folder is None:
         return numba.njit(**options)(function)
     before = numba.config.CACHE_DIR

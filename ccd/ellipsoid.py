@@ -6,6 +6,7 @@ from math import pi
 import numpy as np
 
 from ccd import checks
+from ccd.quaternions import rotation_matrices
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +30,7 @@ class Ellipsoid:
     @property
     def rotation_matrix(self):
         """(3, 3): columns are the body axes in the lab frame."""
-        w, x, y, z = self.orientation
-        return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+        return rotation_matrices(self.orientation[None])[0]
 
     @property
     def shape_matrix(self):

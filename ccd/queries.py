@@ -1,6 +1,5 @@
 """What one asks about one pair of ellipsoids."""
 
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ from ccd.compiling import kernel
 from ccd.ellipsoid import Ellipsoid
 from ccd.first_contact import free_flight_contact
 from ccd.motion import FreeFlight
+from ccd.quaternions import products, rotations
 from ccd.rotation import body_axes
 from ccd.separation import best_plane, contact_point, contact_value, pencil, semi_axis_vectors, shape_matrix, support
 from ccd.status import State, Status
@@ -91,21 +91,9 @@ def _flight(name, body, motion, start, end):
     size_start, size_end = 1 + motion.growth_rate * start, 1 + motion.growth_rate * end
     if min(size_start, size_end) <= 0:
         raise ValueError(f"{name}.growth_rate = {motion.growth_rate}: the semi-axes would vanish within t_span = ({start}, {end})")
-    orientation = body.orientation
-    if start != 0:
-        angle = sqrt(motion.angular_velocity @ motion.angular_velocity) * start
-        orientation = _turned(orientation, motion.angular_velocity, angle)
+    orientation = products(rotations(motion.angular_velocity[None] * start), body.orientation[None])[0]
     return (_tuple(body.semi_axes * size_start), _tuple(body.center + motion.velocity * start), _tuple(orientation),
             _tuple(motion.velocity), _tuple(motion.angular_velocity), motion.growth_rate / size_start)
-
-
-def _turned(orientation, angular_velocity, angle):
-    if angle == 0:
-        return orientation
-    axis = angular_velocity / sqrt(angular_velocity @ angular_velocity) * np.sin(angle / 2)
-    w, v = np.cos(angle / 2), axis
-    q, u = orientation[0], orientation[1:]
-    return np.concatenate([[w * q - v @ u], w * u + q * v + np.cross(v, u)])
 
 
 def _tuple(array):

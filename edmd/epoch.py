@@ -6,7 +6,7 @@ from math import inf, sqrt
 
 from ccd.compiling import kernel
 from ccd.first_contact import curvature
-from ccd.vectors import add_scaled, dot, load, norm, scale, store
+from ccd.vectors import add_scaled, dot, load, scale, store
 from edmd.flight import advance_all
 from edmd.neighbors import DONE, rebuild, set_escape
 from edmd.prediction import predict, reschedule, size_now

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ccd import checks
+from ccd.quaternions import to_lab
 
 
 def symmetry_axes(semi_axes):
@@ -60,7 +61,4 @@ def shape_turning(system):
 def axis_directions(system):
     """Index (n,) and direction (n, 3) in the lab of the symmetry axis, the third axis where there is none."""
     axis = np.minimum(symmetry_axes(system.semi_axes), 2)
-    w, v = system.orientations[:, :1], system.orientations[:, 1:]
-    e = np.eye(3)[axis]
-    t = 2 * np.cross(v, e)
-    return axis, e + w * t + np.cross(v, t)
+    return axis, to_lab(system.orientations, np.eye(3)[axis])

@@ -5,8 +5,10 @@ from math import pi, sqrt
 import numpy as np
 
 from ccd import checks
+from ccd.contacts import contact_functions
+from ccd.quaternions import to_lab
 from edmd.inertia import axis_directions, rotational_degrees, symmetry_axes
-from edmd.system import System, contact_functions
+from edmd.system import System
 
 LATTICES = ("fcc", "bcc", "sc", "hcp")
 SPARSE = 0.02           # packing fraction at which random bodies are first laid down
@@ -107,9 +109,7 @@ def thermalized(system, seed=0, temperature=1.0):
     if n > 1:
         system.velocities -= (masses * system.velocities).sum(axis=0) / masses.sum()
     in_body = rng.normal(size=(n, 3)) * np.sqrt(temperature / system.moments)
-    w, v = system.orientations[:, :1], system.orientations[:, 1:]
-    turned = 2 * np.cross(v, in_body)
-    system.angular_velocities = in_body + w * turned + np.cross(v, turned)
+    system.angular_velocities = to_lab(system.orientations, in_body)
     factor = sqrt(temperature / temperature_of(system))
     system.velocities *= factor
     system.angular_velocities *= factor

@@ -10,10 +10,10 @@ from math import asin, floor, inf, sqrt
 from ccd.compiling import kernel
 from ccd.separation import best_plane, normal, shape_matrix, support
 from ccd.tolerances import COARSE
-from ccd.vectors import dot, load, norm, scale, store, subtract
+from ccd.vectors import dot, load, norm, store, subtract
 from edmd.boundary import displaced, fraction, image_of
 from edmd.events import Ended
-from edmd.flight import advance, load_quaternion, load_vectors, store_vectors
+from edmd.flight import advance, load_quaternion, load_vectors
 from edmd.prediction import bound, hold, size_now
 from edmd.state import (
     ANCHOR_MARGIN,

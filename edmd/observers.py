@@ -6,11 +6,11 @@ from ccd import checks
 
 
 class View:
-    """A simulation at a moment: n, time, collisions, packing_fraction; `system` (a synchronised copy) with its `images`; energy; and the
+    """A simulation at a moment: n, seed, time, collisions, packing_fraction; `system` (a synchronised copy) with its `images`; energy; and the
     `interval` of the upkeep just done (see `averages.Interval`, empty at the start and the end) with its `means`."""
 
     def __init__(self, simulation, interval):
-        self.n, self.time, self.collisions = simulation.n, simulation.time, simulation.collisions
+        self.n, self.time, self.collisions, self.seed = simulation.n, simulation.time, simulation.collisions, simulation.seed
         self.packing_fraction, self.interval = simulation.packing_fraction, interval
         self._simulation = simulation
 

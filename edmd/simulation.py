@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ccd import checks
+from ccd.quaternions import products, rotations, to_lab
 from edmd import building, epoch, state
 from edmd.averages import Interval
 from edmd.engine import advance_events
@@ -17,9 +18,9 @@ from edmd.initial import degrees_of_freedom
 from edmd.observers import View
 from edmd.state import EPOCH, GROWTH, NOW, SIZE
 from edmd.system import System
+from edmd.tolerances import OVERLAP
 from edmd.verify import verify_world
 
-OVERLAP = 1e-10             # relative depth from which a start counts as overlapping
 BLOCK = 200_000             # collisions after which Python looks for an interrupt
 JAMMED = 1e12               # reduced pressure that float64 can still resolve
 
@@ -49,6 +50,7 @@ class Simulation:
         self._spin = shape_turning(system)[2]
         self._grown_inertia = 1.0
         self._done = self._before = Interval()
+        self.last_means = self.means_over(Interval())
 
     # what is now
 
@@ -89,11 +91,8 @@ class Simulation:
     def nematic_order(self):
         """Largest eigenvalue of the mean of (3 u u - 1) / 2 over the symmetry axes u (the longest axis where all three differ)."""
         system = self.system
-        w, v = system.orientations[:, :1], system.orientations[:, 1:]
         axis = np.where(symmetry_axes(system.semi_axes) == 3, system.semi_axes.argmax(axis=1), np.minimum(symmetry_axes(system.semi_axes), 2))
-        e = np.eye(3)[axis]
-        turned = 2 * np.cross(v, e)
-        u = e + w * turned + np.cross(v, turned)
+        u = to_lab(system.orientations, np.eye(3)[axis])
         return float(np.linalg.eigvalsh(1.5 * (u.T @ u) / len(u) - 0.5 * np.eye(3))[-1])
 
     @property
@@ -106,11 +105,8 @@ class Simulation:
         rows, images = building.synchronised_rows(self._world)
         like = self._system
         axis, _ = axis_directions(like)
-        angle = 0.5 * self._spin * self.time
-        spun = np.zeros((self.n, 4))
-        spun[:, 0] = np.cos(angle)
-        spun[np.arange(self.n), 1 + axis] = np.sin(angle)
-        system = System(rows.positions, _product(rows.orientations, spun), like.semi_axes * self.size, like.box, rows.velocities,
+        spun = rotations(np.eye(3)[axis] * (self._spin * self.time)[:, None])
+        system = System(rows.positions, products(rows.orientations, spun), like.semi_axes * self.size, like.box, rows.velocities,
                         None, like.masses, like.inertia, like.species)
         system.angular_velocities = rows.turning + self._spin[:, None] * axis_directions(system)[1]
         system.moments = like.moments * self._grown_inertia
@@ -253,6 +249,7 @@ class Simulation:
             collisions = min([until_collisions, self.collisions + BLOCK, *(observer.when.next_collisions() for observer in observers)])
             if self._block(time, collisions) == Ended.EPOCH:
                 interval = self._new_epoch(upkeep)
+                self.last_means = self.means_over(interval)
                 for observer in observers:
                     observer.upkeep(View(self, interval))
             for observer in observers:
@@ -303,9 +300,3 @@ class Simulation:
     def _meet_packing_fraction(self, goal):
         clock = self._world.clock
         clock[SIZE] = np.cbrt(goal / self._system.packing_fraction) - clock[GROWTH] * clock[NOW]
-
-
-def _product(p, q):
-    """Product of quaternions (n, 4)."""
-    pw, pv, qw, qv = p[:, :1], p[:, 1:], q[:, :1], q[:, 1:]
-    return np.hstack([pw * qw - (pv * qv).sum(axis=1, keepdims=True), pw * qv + qw * pv + np.cross(pv, qv)])

@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 
 from ccd import Ellipsoid, batch, checks
-from ccd.culling import close_pairs
+from ccd.contacts import contact_functions
 from edmd.inertia import principal_moments
 
 
@@ -71,7 +71,7 @@ class System:
                       self.masses, self.inertia, self.species)
 
     def contact_functions(self, gap=0.0):
-        """Close pairs (bounding spheres within a gap) and their contact functions: first (p,), second (p,), f (p,)."""
+        """The pairs whose bounding spheres touch when scaled by 1 + gap, and their contact functions; see `ccd.contacts`."""
         return contact_functions(self.positions, self.orientations, self.semi_axes, self.box, gap)
 
     def smallest_scale(self):
@@ -90,14 +90,6 @@ class System:
         atoms.set_array("aspherical_shape", self.semi_axes)
         atoms.set_array("species", self.species)
         return atoms
-
-
-def contact_functions(positions, orientations, semi_axes, box, gap=0.0):
-    """Close pairs of bodies in a periodic cell and their contact functions; see `System.contact_functions`."""
-    first, second, offset = close_pairs(positions, semi_axes.max(axis=1), box, gap)
-    f = batch.contact_function(batch.Bodies(semi_axes[first], np.zeros_like(offset), orientations[first]),
-                               batch.Bodies(semi_axes[second], offset, orientations[second]))
-    return first, second, f
 
 
 def wrap(positions, box):

@@ -1,0 +1,139 @@
+"""The command line. Everything heavy is imported by the command that needs it: `edmd --help` answers at once."""
+
+import argparse
+import sys
+import time
+
+import edmd
+
+BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
+
+
+def main(arguments=None):
+    """Run a command; -> its exit status: 0 done, 1 a check failed, 2 bad input, 130 interrupted."""
+    options = _parser().parse_args(arguments)
+    try:
+        return options.command(options)
+    except ValueError as problem:
+        print(f"edmd {options.name}: {problem}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print(f"edmd {options.name}: interrupted; frames already written are kept", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _parser():
+    parser = argparse.ArgumentParser(prog="edmd", description="Event-driven dynamics and jammed packings of hard ellipsoids.")
+    parser.add_argument("--version", action="version", version=f"edmd {edmd.__version__}")
+    commands = parser.add_subparsers(title="commands", dest="name", required=True, metavar="COMMAND")
+
+    def command(name, run, description):
+        added = commands.add_parser(name, help=description, description=description, formatter_class=argparse.ArgumentDefaultsHelpFormatter)
+        added.set_defaults(command=run)
+        return added
+
+    pack = command("pack", _pack, "compress a fluid of ellipsoids until it jams, and write the whole course to a file")
+    pack.add_argument("-n", type=int, default=256, help="number of bodies")
+    pack.add_argument("--semi-axes", type=float, nargs=3, default=[1.25, 1.0, 0.8], metavar=("A", "B", "C"), help="semi-axes at the start")
+    pack.add_argument("--rate", type=float, default=1e-3, help="the semi-axes grow as 1 + rate t, at kT = 1 and mass 1")
+    pack.add_argument("--seed", type=int, default=0, help="seed of the thermal velocities")
+    pack.add_argument("--until-pressure", type=float, default=1e8, help="reduced pressure P V / (n kT) that counts as jammed")
+    pack.add_argument("--start-fraction", type=float, default=None, help="packing fraction of the crystal that melts (default: 0.3, or "
+                      "less for shapes that do not fit)")
+    pack.add_argument("--melt", type=float, default=100.0, help="collisions per particle before the compression")
+    pack.add_argument("-o", "--output", default="packing.h5md", help="H5MD file to write")
+    pack.add_argument("--overwrite", action="store_true", help="replace the output when it exists")
+    pack.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+    info = command("info", _info, "tell what is in a file")
+    info.add_argument("file")
+    info.add_argument("--contact-gap", type=float, default=1e-5, help="relative gap below which two bodies are in contact")
+
+    verify = command("verify", _verify, "check every frame of a file for overlaps, in double precision")
+    verify.add_argument("file")
+
+    plot = command("plot", _plot, "draw pressure and packing fraction along a run")
+    render = command("render", _render, "draw a picture of the bodies")
+    for drawing, suffix in ((plot, "plot"), (render, "picture")):
+        drawing.add_argument("file")
+        drawing.add_argument("-o", "--output", default=None, help=f"picture to write (default: beside the file, FILE.{suffix}.png)")
+        drawing.add_argument("--overwrite", action="store_true", help="replace the output when it exists")
+        drawing.set_defaults(suffix=suffix)
+    render.add_argument("--frame", type=int, default=-1, help="frame to draw; negative counts from the end")
+    render.add_argument("--colour", "--color", choices=["orientation", "species", "contacts"], default="orientation")
+    render.add_argument("--size", type=int, nargs=2, default=[900, 900], metavar=("WIDTH", "HEIGHT"), help="in pixels")
+    return parser
+
+
+def _pack(options):
+    from edmd.packing import pack
+    from edmd.progress import Progress
+    from edmd.trajectory import check_output
+
+    check_output(options.output, options.overwrite)
+    observers = [] if options.quiet else [Progress(options.until_pressure)]
+    packing = pack(options.n, options.semi_axes, options.rate, options.seed, options.until_pressure, options.start_fraction, options.melt,
+                   output=options.output, overwrite=options.overwrite, observers=observers)
+    for observer in observers:
+        observer.close()
+    if not options.quiet:
+        _say({"packing fraction": f"{packing.packing_fraction:.6f}", "reduced pressure": f"{packing.pressure:.3g}",
+              "contacts a body": f"{packing.mean_contact_number:.3f}", "rattlers": int(packing.rattlers.sum()),
+              "nematic order": f"{packing.nematic_order:.4f}", "collisions": packing.collisions,
+              "collisions / s": f"{packing.collisions / packing.seconds:,.0f} (CPU time, compilation included)", "file": options.output})
+    return 0
+
+
+def _info(options):
+    from analysis import summarize
+    from edmd.trajectory import open_run
+
+    with open_run(options.file) as file:
+        own = dict(file["edmd"].attrs)
+    summary = summarize(options.file, gap=options.contact_gap)
+    _say({"written by": f"edmd {own['version']}, {own['created']}", "platform": own["platform"], "parameters": own["parameters"],
+          "seed": own["seed"], "complete": bool(own["complete"]), "frames": summary["frames"], "bodies": summary["bodies"],
+          "time": f"{summary['time']:.6g}", "collisions": summary["collisions"], "packing fraction": f"{summary['packing_fraction']:.9f}",
+          "reduced pressure": f"{summary['reduced_pressure']:.4g}", "contacts a body": f"{summary['contact_number']:.3f}",
+          "rattlers": summary["rattlers"], "nematic order": f"{summary['nematic_order']:.4f}"})
+    return 0
+
+
+def _verify(options):
+    from edmd.trajectory import verify_file
+
+    began = time.process_time()
+    frames, smallest, wrong = verify_file(options.file)
+    for problem in wrong:
+        print(f"edmd verify: {problem}", file=sys.stderr)
+    _say({"frames": frames, "closest pair touches when scaled by": f"1 {smallest - 1:+.3e}", "problems": len(wrong),
+          "seconds": f"{time.process_time() - began:.1f}"})
+    return FAILED if wrong else 0
+
+
+def _plot(options):
+    from analysis import plot_compression
+
+    return _draw(options, lambda output: plot_compression(options.file, output))
+
+
+def _render(options):
+    from analysis import render
+
+    return _draw(options, lambda output: render(options.file, output, options.frame, options.colour, tuple(options.size)))
+
+
+def _draw(options, draw):
+    from edmd.trajectory import check_output, open_run
+
+    open_run(options.file).close()
+    output = check_output(options.output or f"{options.file.removesuffix('.h5md')}.{options.suffix}.png", options.overwrite)
+    draw(output)
+    print(output)
+    return 0
+
+
+def _say(facts):
+    width = max(map(len, facts))
+    for name, value in facts.items():
+        print(f"{name:<{width}}  {value}")

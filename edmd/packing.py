@@ -1,0 +1,98 @@
+"""Compression to a jammed packing, as a user asks for it: a crystal melts, the fluid is compressed until it jams."""
+
+import time
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+
+from ccd import checks
+from ccd.contacts import contact_numbers, contact_pairs, mean_contact_number, rattlers
+from edmd.initial import lattice, thermalized
+from edmd.observers import Milestones
+from edmd.simulation import Simulation
+from edmd.system import System
+from edmd.trajectory import Trajectory, check_output
+
+START_FRACTION = 0.3            # packing fraction of the crystal that melts, unless its lattice holds less
+ROOMY = 0.85                    # part of what the lattice holds at most, where that is less
+BODIES_PER_CELL = 4             # fcc
+LEAST_BODIES = 8
+
+
+class Packing(NamedTuple):
+    """A jammed packing. contact_numbers (n,): contacts mu - 1 < contact_gap; mean_contact_number: of the bodies that are held, among
+    themselves; rattlers (n,): those that are not; pressure: reduced, P V / (n kT), at the end; seconds: CPU time of the events."""
+
+    system: System
+    packing_fraction: float
+    pressure: float
+    contact_numbers: np.ndarray
+    mean_contact_number: float
+    rattlers: np.ndarray
+    nematic_order: float
+    collisions: int
+    seconds: float
+
+
+def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, start_fraction=None, melt=100, contact_gap=1e-5, output=None,
+         overwrite=False, observers=()):
+    """Pack n equal ellipsoids: an fcc crystal built by ASE melts, and the fluid is compressed (Lubachevsky and Stillinger) until it jams.
+
+    semi_axes (3,); rate: the semi-axes grow as 1 + rate t from those of the crystal, at kT = 1 and mass 1; seed: of the thermal velocities,
+    and of the sites that stay empty when n is no number of a crystal; until_pressure: the reduced pressure at which the packing counts as
+    jammed; start_fraction: packing fraction of the crystal (default 0.3, or less for shapes that do not fit); melt: collisions per particle
+    before the compression; contact_gap: see Packing. output: an H5MD file with the whole course, refused when it exists unless overwrite.
+    The bodies end larger than they began: system.semi_axes tells. -> Packing. ValueError names what cannot be.
+    """
+    semi_axes = checks.semi_axes("semi_axes", semi_axes)
+    rate = checks.real_number("rate", rate, "a positive growth rate", above=0)
+    melt = checks.real_number("melt", melt, "a number of collisions per particle, not negative", at_least=0)
+    contact_gap = checks.real_number("contact_gap", contact_gap, "a positive number", above=0)
+    start = _crystal(n, semi_axes, start_fraction, seed)
+    parameters = {"n": int(n), "semi_axes": semi_axes.tolist(), "rate": rate, "seed": seed, "until_pressure": until_pressure,
+                  "start_fraction": start.packing_fraction, "melt": melt}
+    if output is not None:
+        check_output(output, overwrite)
+    simulation = Simulation(start, seed)
+    began = time.process_time()
+    if output is None:
+        _melt_and_compress(simulation, rate, until_pressure, melt, observers)
+    else:
+        with Trajectory(output, Milestones(), parameters, overwrite) as trajectory:
+            _melt_and_compress(simulation, rate, until_pressure, melt, [*observers, trajectory])
+    seconds = time.process_time() - began
+    system = simulation.system
+    pairs = contact_pairs(system.positions, system.orientations, system.semi_axes, system.box, contact_gap)
+    return Packing(system, simulation.packing_fraction, simulation.last_means.reduced_pressure, contact_numbers(pairs, system.n),
+                   mean_contact_number(pairs, system.n), rattlers(pairs, system.n), simulation.nematic_order, simulation.collisions, seconds)
+
+
+def _melt_and_compress(simulation, rate, until_pressure, melt, observers):
+    if melt:
+        simulation.run(collisions_per_particle=melt, observers=observers)
+    simulation.compress(rate, until_pressure=until_pressure, observers=observers)
+
+
+def _crystal(n, semi_axes, start_fraction, seed):
+    """Parallel bodies on an fcc lattice as near to a cube as their number allows, surplus sites empty."""
+    if not isinstance(n, int | np.integer) or n < LEAST_BODIES:
+        raise ValueError(f"n = {n!r}: expected a whole number of bodies, at least {LEAST_BODIES}")
+    edge = ceil(np.cbrt(n / BODIES_PER_CELL) - 1e-9)
+    cells = next(cells for cells in ((edge - 1, edge - 1, edge), (edge - 1, edge, edge), (edge, edge, edge))
+                 if BODIES_PER_CELL * np.prod(cells) >= n)
+    sites = BODIES_PER_CELL * int(np.prod(cells))
+    if start_fraction is None:
+        start_fraction = min(START_FRACTION, ROOMY * _most(semi_axes) * n / sites)
+    full = lattice("fcc", semi_axes, start_fraction * sites / n, cells, seed)
+    stay = np.sort(np.random.default_rng(seed).permutation(sites)[:n])
+    return thermalized(System(full.positions[stay], full.orientations[stay], semi_axes, full.box), seed)
+
+
+def _most(semi_axes):
+    """The packing fraction at which parallel bodies on a cubic fcc lattice touch."""
+    sparse = lattice("fcc", semi_axes, 1e-6, (1, 1, 1))
+    a = sparse.box[0, 0]
+    neighbours = a / 2 * np.array([[1, 1, 0], [1, 0, 1], [0, 1, 1], [2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 2], [1, 2, 1], [2, 1, 1]])
+    touching = 0.5 * np.sqrt(((neighbours / semi_axes)**2).sum(axis=1)).min()
+    return sparse.packing_fraction * touching**3

@@ -1,0 +1,23 @@
+"""Where a file comes from: version, parameters, seed, platform."""
+
+import json
+import platform
+from datetime import UTC, datetime
+
+import numpy as np
+
+import edmd
+
+
+def provenance(parameters, seed):
+    """Attributes that tell how a run was made; parameters: what JSON can hold."""
+    import numba
+
+    return {"version": edmd.__version__, "parameters": json.dumps(parameters, default=_plain), "seed": int(seed),
+            "platform": f"{platform.system()} {platform.machine()}, Python {platform.python_version()}, numpy {np.__version__}, "
+                        f"numba {numba.__version__}",
+            "created": datetime.now(UTC).isoformat(timespec="seconds")}
+
+
+def _plain(value):
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else str(value)

@@ -1,0 +1,239 @@
+"""Trajectories in H5MD (docs/file_format.md): an observer that writes them, and the way back to a System."""
+
+import os
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+import edmd
+from edmd.averages import Interval
+from edmd.initial import temperature_of
+from edmd.observers import Every, Observer
+from edmd.provenance import provenance
+from edmd.system import System, wrap
+from edmd.tolerances import OVERLAP
+
+FORMAT = 1
+FLUSH_SECONDS = 1.0
+LOG_CHUNK = 1024
+UNITS = {"position": "Angstrom", "velocity": "Angstrom ps-1"}      # MDAnalysis' base units: the numbers stay as they are
+VECTORS = ("velocity", "angular_velocity", "semi_axes")
+SERIES = ("packing_fraction", "pressure", "reduced_pressure", "temperature", "energy", "collisions")
+LOG = ("time", "collisions", "packing_fraction", "reduced_pressure", "pressure", "temperature", "collision_rate")
+
+
+def check_output(path, overwrite=False):
+    """The path, when a file can be written there; ValueError in words when not."""
+    path = Path(path)
+    if path.is_dir():
+        raise ValueError(f"output = {str(path)!r}: is a folder; expected the name of a file")
+    if path.exists() and not overwrite:
+        raise ValueError(f"output = {str(path)!r}: exists already; choose another name or overwrite it")
+    folder = path.parent
+    if not folder.is_dir():
+        raise ValueError(f"output = {str(path)!r}: the folder {str(folder)!r} does not exist")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise ValueError(f"output = {str(path)!r}: cannot be written there")
+    return path
+
+
+class Trajectory(Observer):
+    """Writes what it sees to an H5MD file; a context manager, for one or several runs of one simulation.
+
+    when: Every(...) or Milestones(...). The first and the last state of every run are frames too, each state once. Every upkeep interval
+    becomes a row of the log. Flushed at least every second while events go on. parameters: recorded in the file. An existing file is
+    refused unless overwrite is true.
+    """
+
+    def __init__(self, path, when=None, parameters=None, overwrite=False):
+        super().__init__(when if when is not None else Every(collisions_per_particle=100))
+        self.path = check_output(path, overwrite)
+        self._parameters = parameters or {}
+        self._file = None
+        self._since = Interval()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, *_):
+        self.close(complete=kind is None)
+
+    def close(self, complete=True):
+        if self._file is not None:
+            self._write_log()
+            self._file["edmd"].attrs["complete"] = complete
+            self._file.close()
+            self._file = None
+
+    def start(self, view):
+        if self._file is None:
+            self._create(view)
+        self._since = Interval()
+        self._frame(view)
+
+    def upkeep(self, view):
+        self._since = self._since.plus(view.interval)
+        means = view.means
+        self._rows.append((view.time, view.collisions, view.packing_fraction, means.reduced_pressure, means.pressure, means.temperature,
+                           means.collision_rate))
+        if time.monotonic() - self._flushed > FLUSH_SECONDS:
+            self._write_log()
+            self._file.flush()
+            self._flushed = time.monotonic()
+
+    def see(self, view):
+        self._frame(view)
+
+    def finish(self, view):
+        self._frame(view)
+        self._write_log()
+        self._file.flush()
+
+    def _frame(self, view):
+        steps = self._file["particles/trajectory/position/step"]
+        at = self._file["particles/trajectory/position/time"]
+        frame = len(steps)
+        if frame and steps[-1] == view.collisions and at[-1] == view.time:
+            return
+        system, means = view.system, view.means_over(self._since)
+        self._since = Interval()
+        values = {"position": system.positions, "image": view.images, "orientation": system.orientations, "velocity": system.velocities,
+                  "angular_velocity": system.angular_velocities, "semi_axes": system.semi_axes}
+        group = self._file["particles/trajectory"]
+        for name, value in values.items():
+            _append(group[f"{name}/value"], frame, value)
+        _append(group["box/edges/value"], frame, system.box)
+        series = {"packing_fraction": view.packing_fraction, "pressure": means.pressure, "reduced_pressure": means.reduced_pressure,
+                  "temperature": temperature_of(system), "energy": view.energy, "collisions": view.collisions}
+        for name, value in series.items():
+            _append(self._file[f"observables/{name}/value"], frame, value)
+        _append(at, frame, view.time)
+        _append(steps, frame, view.collisions)       # last: a frame counts when its step is there
+
+    def _create(self, view):
+        system, n = view.system, view.n
+        self._file = file = h5py.File(self.path, "w")
+        self._rows, self._flushed = [], time.monotonic()
+        header = file.create_group("h5md")
+        header.attrs["version"] = np.array([1, 1], dtype=np.int32)
+        header.create_group("author").attrs["name"] = "edmd"
+        header.create_group("creator").attrs.update({"name": "edmd", "version": edmd.__version__})
+        group = file.create_group("particles/trajectory")
+        position = _series(group, "position", (n, 3))
+        step, at = _grow(position, "step", (), np.int64), _grow(position, "time", ())
+        position["value"].attrs["unit"] = UNITS["position"]
+        at.attrs["unit"] = "ps"
+        position.attrs["unit"] = UNITS["position"]
+        box = group.create_group("box")
+        box.attrs["dimension"] = 3
+        box.attrs["boundary"] = ["periodic"] * 3
+        for element in (_series(group, "image", (n, 3), np.int32), _series(group, "orientation", (n, 4)), _series(box, "edges", (3, 3)),
+                        *(_series(group, name, (n, 3)) for name in VECTORS)):
+            element["step"], element["time"] = step, at
+        group["velocity/value"].attrs["unit"] = UNITS["velocity"]
+        box["edges/value"].attrs["unit"] = UNITS["position"]
+        group["species"], group["id"], group["mass"] = system.species, np.arange(n, dtype=np.int32), system.masses
+        observables = file.create_group("observables")
+        for name in ("position", "orientation", "angular_velocity", "semi_axes", "image"):
+            observables[name] = group[name]
+        for name in SERIES:
+            element = _series(observables, name, ())
+            element["step"], element["time"] = step, at
+        own = file.create_group("edmd")
+        own.attrs.update({"format": FORMAT, "complete": False, **provenance(self._parameters, view.seed)})
+        for name in LOG:
+            _grow(own.require_group("log"), name, (), chunk=LOG_CHUNK)
+
+    def _write_log(self):
+        if self._rows:
+            log = self._file["edmd/log"]
+            first, more = len(log["time"]), len(self._rows)
+            for name, column in zip(LOG, np.array(self._rows, dtype=float).T):
+                log[name].resize(first + more, axis=0)
+                log[name][first:] = column
+            self._rows = []
+
+
+def _series(group, name, shape, dtype=np.float64):
+    element = group.create_group(name)
+    _grow(element, "value", shape, dtype)
+    return element
+
+
+def _grow(group, name, shape, dtype=np.float64, chunk=1):
+    """An empty dataset that grows along its first axis; frames are chunks of one, single numbers of many."""
+    chunk = chunk if shape else max(chunk, LOG_CHUNK)
+    return group.create_dataset(name, (0, *shape), maxshape=(None, *shape), chunks=(chunk, *shape), dtype=dtype)
+
+
+def _append(dataset, frame, value):
+    dataset.resize(frame + 1, axis=0)
+    dataset[frame] = value
+
+
+def open_run(path):
+    """The h5py.File of a run, for reading, even while it is being written; ValueError in words when it is none of ours."""
+    path = Path(path)
+    if not path.exists():
+        raise ValueError(f"path = {str(path)!r}: no such file")
+    try:
+        file = h5py.File(path, "r", locking=False)
+    except OSError as problem:
+        raise ValueError(f"path = {str(path)!r}: not a readable HDF5 file, or a truncated one ({problem})") from None
+    try:
+        written = int(file["edmd"].attrs["format"])
+        frames = len(file["particles/trajectory/position/step"])
+    except (KeyError, OSError):
+        file.close()
+        raise ValueError(f"path = {str(path)!r}: not a trajectory written by edmd, or a truncated one") from None
+    if written > FORMAT or frames == 0:
+        file.close()
+        raise ValueError(f"path = {str(path)!r}: " + ("no frame was written" if written <= FORMAT else
+                                                      f"format {written} is newer than this version of edmd knows ({FORMAT})"))
+    return file
+
+
+def read_system(path, frame=-1):
+    """The System of a frame, in full precision, with its velocities; orientation, semi-axes and cell are those of the frame.
+
+    ValueError when the file is not ours or has no such frame.
+    """
+    with open_run(path) as file:
+        group = file["particles/trajectory"]
+        frames = len(group["position/step"])
+        if not -frames <= frame < frames:
+            raise ValueError(f"frame = {frame}: expected one from {-frames} to {frames - 1}")
+        index = frame % frames
+        try:
+            value = {name: group[f"{name}/value"][index] for name in ("position", "orientation", "semi_axes", "velocity", "angular_velocity")}
+            box = group["box/edges/value"][index]
+            return System(wrap(value["position"], box)[0], value["orientation"], value["semi_axes"], box, value["velocity"],
+                          value["angular_velocity"], group["mass"][:], species=group["species"][:])
+        except OSError as problem:
+            raise ValueError(f"path = {str(path)!r}: frame {frame} cannot be read, the file is truncated ({problem})") from None
+
+
+def verify_file(path):
+    """Check every frame: unit quaternions, bodies in the cell, steps in order, no overlap. -> frames, smallest scale at which a pair touches
+    (below 1: overlap), list of what is wrong in words."""
+    wrong, smallest, before = [], np.inf, (-1, -np.inf)
+    with open_run(path) as file:
+        frames = len(file["particles/trajectory/position/step"])
+        for frame in range(frames):
+            system = read_system(path, frame)
+            scale = system.smallest_scale()
+            smallest = min(smallest, scale)
+            if scale < 1 - OVERLAP:
+                wrong.append(f"frame {frame}: two bodies overlap, they touch when scaled by {scale!r}")
+            length = np.sqrt((file["particles/trajectory/orientation/value"][frame]**2).sum(axis=1))
+            if abs(length - 1).max() > 1e-12:
+                wrong.append(f"frame {frame}: an orientation has length {length[abs(length - 1).argmax()]!r}")
+            now = tuple(float(file[f"particles/trajectory/position/{name}"][frame]) for name in ("step", "time"))
+            if now[0] < before[0] or now[1] < before[1]:
+                wrong.append(f"frame {frame}: step and time {now} come after {before}")
+            before = now
+        if not file["edmd"].attrs["complete"]:
+            wrong.append("the run did not end as it should: the file is marked incomplete")
+    return frames, smallest, wrong
