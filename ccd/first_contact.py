@@ -31,7 +31,8 @@ def curvature(semi_axes, angular_velocity):
 def support_motion(s, angular_velocity, bend, n, age):
     """(value, rate, curvature) of a parabola in time that is nowhere below h(n) of a turning body, eqs. (5) and (7).
 
-    The semi-axis vectors s are those of `age` ago; the parabola's time counts from now; bend is `curvature` of the body. No sine, no cosine.
+    The semi-axis vectors s are those of `age` ago; the parabola's time counts from now. bend: the body's `curvature`.
+    No sine, no cosine.
     """
     p, q, w = dot(s[0], n), dot(s[1], n), dot(s[2], n)
     h = sqrt(p * p + q * q + w * w)

@@ -129,7 +129,10 @@ def maximise(d, n, start, precision):
 
 @kernel
 def normal(a, b, r, x):
-    """The unit vector along Y^-1 r: the separating direction that lambda = x gives, eq. (4); contact normal, from A to B, at the maximiser."""
+    """The unit vector along Y^-1 r: the separating direction that lambda = x gives, eq. (4).
+
+    At the maximiser it is the normal, from A to B, of the bodies scaled until they touch.
+    """
     y = 1 - x
     m = _adjugate((y * a[0] + x * b[0], y * a[1] + x * b[1], y * a[2] + x * b[2],
                    y * a[3] + x * b[3], y * a[4] + x * b[4], y * a[5] + x * b[5]))

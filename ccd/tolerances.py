@@ -1,6 +1,6 @@
 """Every tolerance of the collision detection, with its unit and what it buys."""
 
-EXACT = 1e-5                # relative step of lambda after which Newton stops: lambda then errs by about its square, the gap by its fourth power
+EXACT = 1e-5                # relative step of lambda at which Newton stops; lambda then errs by about its square, the gap by its 4th power
 COARSE = 3e-2               # the same for a plane that only has to separate: every lambda gives a certificate, this one nearly the best
 PENCIL_STEPS = 60           # cap of Newton with bisection; 2 to 5 are used, bisection alone would need 50
 TOUCHING = 1e-14            # gap at which two bodies touch, in units of the sum of their support values along the normal

@@ -78,11 +78,12 @@ def flattened(world, prefix=""):
 
 def unflattened(arrays):
     """The World of `flattened` arrays."""
-    parts = {"lists": Lists, "pairs": Pairs, "grid": Grid, "calendar": Calendar}
+    parts = {"lists": Lists, "grid": Grid, "calendar": Calendar}
     fields = {name: kind(*(np.ascontiguousarray(arrays[f"{name}.{field}"]) for field in kind._fields)) for name, kind in parts.items()}
     for name in ("bodies", "anchors"):
-        fields[name] = _aligned(*arrays[name].shape)
-        fields[name][:] = arrays[name]
+        fields[name] = _aligned_copy(arrays[name])
+    plane = _aligned_copy(arrays["pairs.plane"])
+    fields["pairs"] = Pairs(plane, plane.view(np.int32), arrays["pairs.free"])
     return World(image=arrays["image"], clock=arrays["clock"], tally=arrays["tally"], **fields)
 
 
@@ -124,7 +125,8 @@ def _lists(n, room):
 
 
 def _pairs(rows):
-    return Pairs(np.zeros((rows, state.LINK_ROW), dtype=np.int32), np.zeros((rows, 4)), np.arange(rows, dtype=np.int32)[::-1].copy())
+    plane = _aligned(rows, state.PAIR_ROW)
+    return Pairs(plane, plane.view(np.int32), np.arange(rows, dtype=np.int32)[::-1].copy())
 
 
 def _calendar(n):
@@ -155,7 +157,7 @@ def _enlarged(world):
     for old, new in zip(world.lists[1:], lists[1:]):
         new[:, :room] = old
     pairs = _pairs(2 * more)
-    pairs.link[:more], pairs.plane[:more] = world.pairs.link, world.pairs.plane
+    pairs.plane[:more] = world.pairs.plane
     free = world.tally[state.FREE_PAIRS]
     pairs.free[:free] = world.pairs.free[:free]
     pairs.free[free:free + more] = np.arange(2 * more - 1, more - 1, -1)
@@ -169,3 +171,9 @@ def _aligned(rows, columns):
     store = np.zeros(rows * columns + 8)
     start = -store.ctypes.data % 64 // 8
     return store[start:start + rows * columns].reshape(rows, columns)
+
+
+def _aligned_copy(array):
+    copy = _aligned(*array.shape)
+    copy[:] = array
+    return copy

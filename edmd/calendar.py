@@ -13,7 +13,7 @@ def schedule(calendar, body, time, slot):
     while node > 1:
         node //= 2
         left, right = 2 * node, 2 * node + 1
-        winner = left if times[left] <= times[right] else right
+        winner = left + (times[right] < times[left])         # no jump: which child wins is a toss
         if times[node] == times[winner] and bodies[node] == bodies[winner] and bodies[node] != body:
             break
         times[node] = times[winner]

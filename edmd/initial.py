@@ -117,7 +117,7 @@ def thermalized(system, seed=0, temperature=1.0):
 
 
 def degrees_of_freedom(system):
-    """Those that exchange energy: 3 n - 3 of translation, and 0, 2 or 3 of rotation a body (smooth spheres, bodies of revolution, others)."""
+    """Those that exchange energy: 3 n - 3 of translation, 0, 2 or 3 of rotation a body (spheres, bodies of revolution, others)."""
     return max(3 * system.n - 3, 1) + int(rotational_degrees(system.semi_axes).sum())
 
 

@@ -14,7 +14,7 @@ from ccd.vectors import dot, load, norm, store, subtract
 from edmd.boundary import displaced, fraction, image_of
 from edmd.events import Ended
 from edmd.flight import advance, load_quaternion, load_vectors
-from edmd.prediction import bound, hold, size_now
+from edmd.prediction import flight_now, hold, size_now, span_without_contact
 from edmd.state import (
     ANCHOR_MARGIN,
     ANCHOR_ORIENTATION,
@@ -165,7 +165,8 @@ def _near(world, pair, known):
     """
     link, plane = world.pairs.link[pair], world.pairs.plane[pair]
     a, b = world.anchors[link[BODY_A]], world.anchors[link[BODY_B]]
-    r = displaced(subtract(load(b, ANCHOR_POSITION), load(a, ANCHOR_POSITION)), world.grid.box, link[SHIFT], link[SHIFT + 1], link[SHIFT + 2])
+    apart = subtract(load(b, ANCHOR_POSITION), load(a, ANCHOR_POSITION))
+    r = displaced(apart, world.grid.box, link[SHIFT], link[SHIFT + 1], link[SHIFT + 2])
     s_a, s_b = load_vectors(a, ANCHOR_VECTORS), load_vectors(b, ANCHOR_VECTORS)
     margins = a[ANCHOR_MARGIN] + b[ANCHOR_MARGIN]
     if known:
@@ -205,20 +206,15 @@ def _search(world, body):
     """Look through the grid cells within reach, each image once, for neighbours that are not listed yet."""
     grid, anchor = world.grid, world.anchors[body]
     reach = anchor[ANCHOR_RADIUS] + world.clock[REACH] * world.clock[REACH_SIZE]
-    within = reach * reach / grid.heights[3]
     f = fraction(load(anchor, ANCHOR_POSITION), grid.inverse)
-    for ci in _cells_within(grid, 0, f[0], reach):
-        beside_i = _beside(grid, 0, f[0], ci)
+    left = reach * reach / grid.heights[3]
+    for ci in _layers(grid, 0, f[0], left):
         shift_i = ci // grid.shape[0]
-        for cj in _cells_within(grid, 1, f[1], reach):
-            beside_j = beside_i + _beside(grid, 1, f[1], cj)
+        left_i = left - _beside(grid, 0, f[0], ci)
+        for cj in _layers(grid, 1, f[1], left_i):
             shift_j = cj // grid.shape[1]
-            if beside_j > within:
-                continue
             row = ((ci - shift_i * grid.shape[0]) * grid.shape[1] + cj - shift_j * grid.shape[1]) * grid.shape[2]
-            for ck in _cells_within(grid, 2, f[2], reach):
-                if beside_j + _beside(grid, 2, f[2], ck) > within:
-                    continue
+            for ck in _layers(grid, 2, f[2], left_i - _beside(grid, 1, f[1], cj)):
                 shift_k = ck // grid.shape[2]
                 status = _search_cell(world, body, row + ck - shift_k * grid.shape[2], (shift_i, shift_j, shift_k))
                 if status != DONE:
@@ -227,9 +223,10 @@ def _search(world, body):
 
 
 @kernel
-def _cells_within(grid, side, f, reach):
-    """The cells of one direction that lie within reach of the fractional coordinate f, beyond the box as well."""
-    here, far = f * grid.shape[side], reach * grid.shape[side] / grid.heights[side]
+def _layers(grid, side, f, squared):
+    """The layers of cells, beyond the box as well, within a squared distance of the fractional coordinate f in this direction."""
+    per_length = grid.shape[side] / grid.heights[side]
+    here, far = f * grid.shape[side], sqrt(max(squared, 0.0)) * per_length
     return range(int(floor(here - far)), int(floor(here + far)) + 1)
 
 
@@ -237,7 +234,7 @@ def _cells_within(grid, side, f, reach):
 def _beside(grid, side, f, cell):
     """Squared distance of a point from a layer of cells."""
     here = f * grid.shape[side]
-    outside = max(cell - here, here - cell - 1, 0.0) * grid.heights[side] / grid.shape[side]
+    outside = max(cell - here, here - cell - 1, 0.0) * (grid.heights[side] / grid.shape[side])
     return outside * outside
 
 
@@ -283,7 +280,7 @@ def _consider(world, body, other, shift):
     lists.count[other] += 1
     lists.pair[body, slot_a] = lists.pair[other, slot_b] = pair
     lists.partner[body, slot_a], lists.partner[other, slot_b] = other, body
-    hold(world, body, slot_a, world.clock[NOW] + bound(world, pair))
+    hold(world, body, slot_a, world.clock[NOW] + span_without_contact(world, flight_now(world.bodies[body], world.clock), body, pair))
     return DONE
 
 

@@ -6,8 +6,10 @@ from ccd import checks
 
 
 class View:
-    """A simulation at a moment: n, seed, time, collisions, packing_fraction; `system` (a synchronised copy) with its `images`; energy; and the
-    `interval` of the upkeep just done (see `averages.Interval`, empty at the start and the end) with its `means`."""
+    """A simulation at a moment: n, seed, time, collisions, packing_fraction, energy; `system` (a synchronised copy) with its `images`.
+
+    interval: the sums of the upkeep interval just done (`averages.Interval`, empty at the start and the end); means: its averages.
+    """
 
     def __init__(self, simulation, interval):
         self.n, self.time, self.collisions, self.seed = simulation.n, simulation.time, simulation.collisions, simulation.seed

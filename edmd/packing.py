@@ -64,8 +64,8 @@ def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, start_fraction=Non
     seconds = time.process_time() - began
     system = simulation.system
     pairs = contact_pairs(system.positions, system.orientations, system.semi_axes, system.box, contact_gap)
-    return Packing(system, simulation.packing_fraction, simulation.last_means.reduced_pressure, contact_numbers(pairs, system.n),
-                   mean_contact_number(pairs, system.n), rattlers(pairs, system.n), simulation.nematic_order, simulation.collisions, seconds)
+    return Packing(system, simulation.packing_fraction, simulation.last_means.reduced_pressure, contact_numbers(pairs, n),
+                   mean_contact_number(pairs, n), rattlers(pairs, n), simulation.nematic_order, simulation.collisions, seconds)
 
 
 def _melt_and_compress(simulation, rate, until_pressure, melt, observers):

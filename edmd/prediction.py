@@ -6,7 +6,7 @@ from ccd.compiling import kernel
 from ccd.first_contact import gap_motion, grown, holding_time, support_motion
 from ccd.separation import best_plane
 from ccd.tolerances import COARSE, EXACT, TOUCHING
-from ccd.vectors import load, store, subtract
+from ccd.vectors import load, scale, store, subtract
 from edmd.boundary import displaced
 from edmd.calendar import schedule
 from edmd.events import EventKind
@@ -41,47 +41,61 @@ def size_now(clock):
 
 
 @kernel
-def centre_to_centre(world, link, a, b):
-    """Vector from the centre of body A to that of the image of B, now."""
-    now = world.clock[NOW]
-    return displaced(subtract(position_at(b, now), position_at(a, now)), world.grid.box, link[SHIFT], link[SHIFT + 1], link[SHIFT + 2])
+def flight_now(row, clock):
+    """What the bounds need of a body, in registers: position now, velocity, turning, semi-axis vectors and curvature, and their age."""
+    return (position_at(row, clock[NOW]), load(row, VELOCITY), load(row, TURNING), load_vectors(row, VECTORS), row[BEND],
+            clock[NOW] - row[TIME])
 
 
 @kernel
-def body_support(row, n, clock):
+def flight_support(flight, n, clock):
     """`support_motion` of a body from its own time, with its growth."""
-    motion = support_motion(load_vectors(row, VECTORS), load(row, TURNING), row[BEND], n, clock[NOW] - row[TIME])
+    _, _, turning, vectors, bend, age = flight
+    motion = support_motion(vectors, turning, bend, n, age)
+    if clock[GROWTH] == 0.0:
+        return scale(clock[SIZE], motion)
     return grown(motion, size_now(clock), clock[GROWTH], clock[HORIZON])
 
 
 @kernel
 def pair_motion(a, b, r, n, clock):
-    """(gap, rate, bend, sum of supports) of a pair in direction n, eq. (8). Bodies need not be up to date."""
-    motion_a, motion_b = body_support(a, n, clock), body_support(b, n, clock)
-    gap, rate, bend = gap_motion(n, r, subtract(load(b, VELOCITY), load(a, VELOCITY)), motion_a, motion_b)
+    """(gap, rate, bend, sum of supports) of two flights in direction n, eq. (8). Bodies need not be up to date."""
+    motion_a, motion_b = flight_support(a, n, clock), flight_support(b, n, clock)
+    gap, rate, bend = gap_motion(n, r, subtract(b[1], a[1]), motion_a, motion_b)
     return gap, rate, bend, motion_a[0] + motion_b[0]
 
 
 @kernel
-def renew_plane(world, pair, a, b, r, precision):
-    """The best separating direction for the poses that the bodies have on record."""
-    plane = world.pairs.plane[pair]
-    n, plane[PENCIL], converged = best_plane(load_vectors(a, VECTORS), load_vectors(b, VECTORS), r, plane[PENCIL], precision)
-    store(plane, NORMAL, n)
+def separation_now(world, link, a, b, side):
+    """Vector from the centre of one body of a pair to the image of the other; side is 1 when the first is the pair's A, otherwise -1."""
+    return displaced(subtract(b[0], a[0]), world.grid.box, side * link[SHIFT], side * link[SHIFT + 1], side * link[SHIFT + 2])
+
+
+@kernel
+def renew_plane(plane, a, b, r, side, precision):
+    """The best separating direction, from a to b, for the poses that the bodies have on record; side as in `separation_now`."""
+    start = plane[PENCIL] if side > 0 else 1 - plane[PENCIL]
+    n, x, converged = best_plane(a[3], b[3], r, start, precision)
+    store(plane, NORMAL, scale(side, n))
+    plane[PENCIL] = x if side > 0 else 1 - x
     return n, converged
 
 
 @kernel
-def bound(world, pair):
-    """A time span, from now, in which the pair cannot touch: by its last plane, by a new one when that holds for a short time only."""
-    clock, link = world.clock, world.pairs.link[pair]
-    a, b = world.bodies[link[BODY_A]], world.bodies[link[BODY_B]]
-    r = centre_to_centre(world, link, a, b)
-    gap, rate, bend, _ = pair_motion(a, b, r, load(world.pairs.plane[pair], NORMAL), clock)
+def span_without_contact(world, own, body, pair):
+    """A time span, from now, in which the pair cannot touch: by its last plane, by a new one when that holds for a short time only.
+
+    own: the flight of the body.
+    """
+    clock, link, plane = world.clock, world.pairs.link[pair], world.pairs.plane[pair]
+    side = 1 if link[BODY_A] == body else -1
+    other = flight_now(world.bodies[link[BODY_A] + link[BODY_B] - body], clock)
+    r = separation_now(world, link, own, other, side)
+    gap, rate, bend, _ = pair_motion(own, other, r, scale(side, load(plane, NORMAL)), clock)
     span = holding_time(gap, rate, bend)
     if span < clock[REFINE]:
-        n, _ = renew_plane(world, pair, a, b, r, COARSE)
-        gap, rate, bend, _ = pair_motion(a, b, r, n, clock)
+        n, _ = renew_plane(plane, own, other, r, side, COARSE)
+        gap, rate, bend, _ = pair_motion(own, other, r, n, clock)
         span = max(span, holding_time(gap, rate, bend))
     return min(span, clock[HORIZON])
 
@@ -99,9 +113,9 @@ def hold(world, body, slot, time):
 @kernel
 def predict(world, body):
     """After a change of velocity: bound every pair of the body anew."""
-    lists = world.lists
+    lists, own = world.lists, flight_now(world.bodies[body], world.clock)
     for slot in range(lists.count[body]):
-        hold(world, body, slot, world.clock[NOW] + bound(world, lists.pair[body, slot]))
+        hold(world, body, slot, world.clock[NOW] + span_without_contact(world, own, body, lists.pair[body, slot]))
 
 
 @kernel
@@ -120,12 +134,12 @@ def look(world, body, slot):
     """One step of the certified shoot for the pair in this slot. -> whether it touches now, and the rate of its gap."""
     clock, pair = world.clock, world.lists.pair[body, slot]
     link = world.pairs.link[pair]
-    a, b = world.bodies[link[BODY_A]], world.bodies[link[BODY_B]]
     world.tally[LOOKS] += 1
-    advance(a, clock[NOW])
-    advance(b, clock[NOW])
-    r = centre_to_centre(world, link, a, b)
-    n, converged = renew_plane(world, pair, a, b, r, EXACT)
+    advance(world.bodies[link[BODY_A]], clock[NOW])
+    advance(world.bodies[link[BODY_B]], clock[NOW])
+    a, b = flight_now(world.bodies[link[BODY_A]], clock), flight_now(world.bodies[link[BODY_B]], clock)
+    r = separation_now(world, link, a, b, 1)
+    n, converged = renew_plane(world.pairs.plane[pair], a, b, r, 1, EXACT)
     gap, rate, bend, supports = pair_motion(a, b, r, n, clock)
     time = clock[NOW] + min(holding_time(gap, rate, bend), clock[HORIZON])
     if rate < 0 and converged and (gap <= TOUCHING * supports or time == clock[NOW]):

@@ -22,7 +22,7 @@ from edmd.tolerances import OVERLAP
 from edmd.verify import verify_world
 
 BLOCK = 200_000             # collisions after which Python looks for an interrupt
-JAMMED = 1e12               # reduced pressure that float64 can still resolve
+JAMMED = 1e12               # reduced pressure beyond which float64 cannot resolve the gaps
 
 
 class Stalled(RuntimeError):
@@ -91,7 +91,8 @@ class Simulation:
     def nematic_order(self):
         """Largest eigenvalue of the mean of (3 u u - 1) / 2 over the symmetry axes u (the longest axis where all three differ)."""
         system = self.system
-        axis = np.where(symmetry_axes(system.semi_axes) == 3, system.semi_axes.argmax(axis=1), np.minimum(symmetry_axes(system.semi_axes), 2))
+        kinds = symmetry_axes(system.semi_axes)
+        axis = np.where(kinds == 3, system.semi_axes.argmax(axis=1), np.minimum(kinds, 2))
         u = to_lab(system.orientations, np.eye(3)[axis])
         return float(np.linalg.eigvalsh(1.5 * (u.T @ u) / len(u) - 0.5 * np.eye(3))[-1])
 
@@ -171,8 +172,8 @@ class Simulation:
             raise ValueError("the bodies are at rest: compression needs a temperature; see edmd.thermalized")
         until_time = inf
         if until_pressure is not None:
-            until_pressure = checks.real_number("until_pressure", until_pressure, f"a reduced pressure above 1, at most {JAMMED:g}", above=1,
-                                                below=JAMMED * (1 + 1e-12))
+            until_pressure = checks.real_number("until_pressure", until_pressure, f"a reduced pressure above 1, below {JAMMED:g}",
+                                                above=1, below=JAMMED)
             if rate < 0:
                 raise ValueError(f"rate = {rate}: expected a positive rate with until_pressure")
         else:

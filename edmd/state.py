@@ -21,10 +21,11 @@ ANCHOR_POSITION, ANCHOR_RADIUS, ANCHOR_MARGIN, ANCHOR_SIZE, ESCAPE_TIME = 0, 3, 
 ANCHOR_VECTORS, ANCHOR_ORIENTATION = 8, 17
 ANCHOR_ROW = 24
 
-# pairs.link: the two bodies, their slots in each other's lists, the periodic image of the second; pairs.plane: normal and lambda
+# pairs: one cache line a pair, which both arrays name. link: the two bodies, their slots in each other's lists, the periodic image of the
+# second, as integers in the first half of the line; plane: normal and lambda in the other half.
 BODY_A, BODY_B, SLOT_A, SLOT_B, SHIFT = 0, 1, 2, 3, 4
-LINK_ROW = 8
-NORMAL, PENCIL = 0, 3
+NORMAL, PENCIL = 4, 7
+PAIR_ROW = 8
 
 # clock: NOW and every time in the world count from EPOCH. REACH: longest semi-axis plus margin of all bodies at size 1; REACH_SIZE: the
 # largest size of an anchor. REFINE: a time, see tolerances. ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral
@@ -47,8 +48,8 @@ class Lists(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    link: np.ndarray        # int32 (pairs, LINK_ROW)
-    plane: np.ndarray       # float64 (pairs, 4)
+    plane: np.ndarray       # float64 (pairs, PAIR_ROW)
+    link: np.ndarray        # int32 (pairs, 2 PAIR_ROW), a view of plane
     free: np.ndarray        # int32 (pairs,): stack of unused rows
 
 

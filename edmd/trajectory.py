@@ -207,7 +207,7 @@ def read_system(path, frame=-1):
             raise ValueError(f"frame = {frame}: expected one from {-frames} to {frames - 1}")
         index = frame % frames
         try:
-            value = {name: group[f"{name}/value"][index] for name in ("position", "orientation", "semi_axes", "velocity", "angular_velocity")}
+            value = {name: group[f"{name}/value"][index] for name in ("position", "orientation", *VECTORS)}
             box = group["box/edges/value"][index]
             return System(wrap(value["position"], box)[0], value["orientation"], value["semi_axes"], box, value["velocity"],
                           value["angular_velocity"], group["mass"][:], species=group["species"][:])
@@ -216,8 +216,10 @@ def read_system(path, frame=-1):
 
 
 def verify_file(path):
-    """Check every frame: unit quaternions, bodies in the cell, steps in order, no overlap. -> frames, smallest scale at which a pair touches
-    (below 1: overlap), list of what is wrong in words."""
+    """Check every frame: unit quaternions, steps in order, no overlap.
+
+    -> number of frames, the smallest scale at which a pair touches (below 1: an overlap), and a list of what is wrong in words.
+    """
     wrong, smallest, before = [], np.inf, (-1, -np.inf)
     with open_run(path) as file:
         frames = len(file["particles/trajectory/position/step"])

@@ -1,0 +1,31 @@
+# `make demo` packs ellipsoids and draws them; `make test` runs the tests. Both make their own environment in .venv.
+PYTHON ?= python3
+BIN := .venv/bin
+DEMO ?=
+
+.PHONY: demo test validate lint clean
+
+.venv/installed: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable .
+	touch $@
+
+.venv/installed-for-tests: .venv/installed
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[test]'
+	touch $@
+
+demo: .venv/installed
+	$(BIN)/python examples/demo.py $(DEMO)
+
+test: .venv/installed-for-tests
+	$(BIN)/python -m pytest
+
+validate: .venv/installed-for-tests
+	$(BIN)/python -m pytest -m validate
+
+lint: .venv/installed-for-tests
+	$(BIN)/ruff check .
+	$(BIN)/lint-imports
+
+clean:
+	rm -rf .venv demo build *.egg-info .pytest_cache .hypothesis .ruff_cache .import_linter_cache

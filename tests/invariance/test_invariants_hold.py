@@ -1,0 +1,98 @@
+"""Every invariant of the world after every single event, in small systems where mistakes show; and contacts by an independent check."""
+
+import fluids
+import independent
+import numpy as np
+import pytest
+
+import edmd
+
+EVENTS = 300
+CASES = {**{shape: (shape, 24, 0.45) for shape in fluids.SHAPES}, "needle": ((0.5, 0.5, 2.0), 24, 0.3), "plate": ((2.0, 2.0, 0.4), 32, 0.3)}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_after_every_collision(case):
+    simulation = edmd.Simulation(fluids.fluid(*CASES[case], seed=12))
+    for event in range(EVENTS):
+        simulation.run(collisions=1)
+        assert simulation.collisions == event + 1
+        simulation.verify()
+
+
+@pytest.mark.parametrize("case", ["prolate", "triaxial", "plate"])
+def test_between_collisions(case):
+    """Also while bodies fly and lists are made anew."""
+    simulation = edmd.Simulation(fluids.fluid(*CASES[case], seed=13)).run(collisions=100)
+    span = simulation.time / 100 / 3.1
+    for _ in range(EVENTS):
+        simulation.run(time=span)
+        simulation.verify()
+
+
+@pytest.mark.parametrize("rate", [0.02, 1.0, -0.3])
+@pytest.mark.parametrize("case", ["sphere", "oblate", "triaxial"])
+def test_while_the_bodies_grow(case, rate):
+    simulation = edmd.Simulation(fluids.fluid(CASES[case][0], 24, 0.40, seed=14))
+    seen = []
+
+    def look(view):
+        if len(seen) < EVENTS:
+            view._simulation.verify()
+        seen.append(view.packing_fraction)
+
+    simulation.compress(rate, until_packing_fraction=0.5 if rate > 0 else 0.2, observers=[edmd.Observer(edmd.Every(collisions=1), look)])
+    assert len(seen) > 10
+    assert (np.diff(seen) * rate >= 0).all()
+    simulation.verify()
+    simulation.run(collisions=200)
+    simulation.verify()
+
+
+@pytest.mark.parametrize("case", ["sphere", "prolate", "triaxial"])
+def test_near_jamming(case):
+    """At a reduced pressure of 1e6 gaps are 1e-6 of a body: the lists, the predictions and the contacts still hold."""
+    simulation = edmd.Simulation(fluids.fluid(CASES[case][0], 32, 0.45, seed=15))
+    simulation.compress(0.05, until_pressure=1e6)
+    for _ in range(50):
+        simulation.run(collisions=7)
+        simulation.verify()
+        assert independent.smallest_scale(simulation.system) > 1 - 1e-11
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_no_overlap_at_any_time(case):
+    """By Perram and Wertheim's function in numpy, over all images, at times that have nothing to do with the events."""
+    simulation = edmd.Simulation(fluids.fluid(*CASES[case], seed=16))
+    smallest = []
+    look = edmd.Observer(edmd.Every(time=0.0173), lambda view: smallest.append(independent.smallest_scale(view.system)))
+    simulation.run(collisions=1500, observers=[look])
+    assert len(smallest) > 20
+    assert min(smallest) > 1 - 1e-12
+    assert min(smallest) < 1.01
+
+
+def test_mixture_of_sizes_shapes_and_masses():
+    """Spheres, needles and plates of unequal masses in one cell."""
+    start = edmd.random_system((16, 8, 8), [(1, 1, 1), (0.4, 0.4, 2), (1.5, 1.2, 0.4)], 0.4, seed=4)
+    masses = np.array([1.0, 0.1, 20.0])[start.species]
+    start = edmd.thermalized(edmd.System(start.positions, start.orientations, start.semi_axes, start.box, masses=masses,
+                                         species=start.species), 5)
+    simulation = edmd.Simulation(start)
+    translation, rotation = independent.energies(simulation.system)
+    for _ in range(150):
+        simulation.run(collisions=2)
+        simulation.verify()
+        assert independent.smallest_scale(simulation.system) > 1 - 1e-12
+    after, turned = independent.energies(simulation.system)
+    assert after + turned.sum() == pytest.approx(translation + rotation.sum(), rel=1e-12)
+    assert abs(independent.momentum(simulation.system)).max() < 1e-12
+
+
+def test_verify_sees_a_body_out_of_place():
+    """The check itself can fail."""
+    simulation = edmd.Simulation(fluids.fluid("prolate", 24, 0.45, seed=12)).run(collisions=50)
+    simulation.verify()
+    simulation._world.bodies[3, :3] += 0.3 * simulation._world.grid.box.diagonal() / 2
+    with pytest.raises(AssertionError):
+        simulation.verify()

@@ -1,0 +1,129 @@
+"""Oracle: first contact of two ellipsoids in free flight, by looking at the contact function at many times.
+
+Slow and plain, K pairs at once. The touching scale mu of a pair is the factor by which both bodies must grow to touch (mu < 1: they
+overlap); it is sampled densely in time, its local minima are refined by golden section, and the first root of mu - 1 is bisected.
+Rotations are scipy's; mu comes from the eigenvalues of one shape relative to the other. Only numpy and scipy.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+GOLDEN = (np.sqrt(5) - 1) / 2
+
+
+@dataclass
+class Flights:
+    """K bodies at t = 0 and how they fly: arrays (K, 3), quaternions (K, 4) as (w, x, y, z), growth (K,)."""
+
+    semi_axes: np.ndarray
+    center: np.ndarray
+    orientation: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+    growth_rate: np.ndarray
+
+    def __len__(self):
+        return len(self.center)
+
+    def pick(self, index):
+        return Flights(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
+
+    def at(self, time):
+        """Centres (K, 3) and semi-axis vectors (K, 3, 3), as columns, each body at its own time (K,)."""
+        turned = Rotation.from_rotvec(self.angular_velocity * time[:, None]) * Rotation.from_quat(np.roll(self.orientation, -1, axis=1))
+        size = 1 + self.growth_rate * time
+        return self.center + self.velocity * time[:, None], turned.as_matrix() * (self.semi_axes * size[:, None])[:, None, :]
+
+    def moved(self, shift):
+        return replace(self, center=self.center + shift)
+
+
+def contact_function_and_normal(r, axes_a, axes_b):
+    """f (K,), the Perram-Wertheim contact function, and the gradient n (K, 3) = df/dr / 2, along the contact normal from A to B.
+
+    In the frame where A is the unit sphere, B has squared semi-axes m and r has components c along them:
+    f = max over x of x (1 - x) sum c^2 / (1 - x + x m).
+    """
+    inverse = np.linalg.inv(axes_a)
+    relative = inverse @ axes_b
+    m, directions = np.linalg.eigh(relative @ relative.transpose(0, 2, 1))
+    c = np.einsum("kji,kjl,kl->ki", directions, inverse, r)
+    low, high = np.zeros(len(r)), np.ones(len(r))
+    for _ in range(55):
+        x = 0.5 * (low + high)
+        under = (1 - x)[:, None] + x[:, None] * m
+        slope = (c**2 * ((1 - x)[:, None] ** 2 - x[:, None] ** 2 * m) / under**2).sum(axis=1)
+        low, high = np.where(slope > 0, x, low), np.where(slope > 0, high, x)
+    x = 0.5 * (low + high)
+    weighted = (x * (1 - x))[:, None] * c / ((1 - x)[:, None] + x[:, None] * m)
+    return (weighted * c).sum(axis=1), np.einsum("kij,kjl,kl->ki", inverse.transpose(0, 2, 1), directions, weighted)
+
+
+def touching_scale(a, b, time):
+    """mu (K,) of the pairs, each at its own time (K,)."""
+    (center_a, axes_a), (center_b, axes_b) = a.at(time), b.at(time)
+    return np.sqrt(contact_function_and_normal(center_b - center_a, axes_a, axes_b)[0])
+
+
+def _samples(a, b, times):
+    """mu (K, T) at shared times (T,)."""
+    pairs = np.repeat(np.arange(len(a)), len(times))
+    return touching_scale(a.pick(pairs), b.pick(pairs), np.tile(times, len(a))).reshape(len(a), -1)
+
+
+def _minimum(a, b, low, high):
+    """Time (K,) and value (K,) of the minimum of mu between low and high (K,), by golden section."""
+    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    mu_left, mu_right = touching_scale(a, b, left), touching_scale(a, b, right)
+    for _ in range(45):
+        first = mu_left < mu_right
+        low, high = np.where(first, low, left), np.where(first, right, high)
+        new = np.where(first, high - GOLDEN * (high - low), low + GOLDEN * (high - low))
+        mu_new = touching_scale(a, b, new)
+        left, right, mu_left, mu_right = (np.where(first, new, right), np.where(first, left, new),
+                                          np.where(first, mu_new, mu_right), np.where(first, mu_left, mu_new))
+    return np.where(mu_left < mu_right, left, right), np.minimum(mu_left, mu_right)
+
+
+def deepest(a, b, t_max, samples=400):
+    """Time (K,) and value (K,) of the smallest mu in [0, t_max]."""
+    times = np.linspace(0, t_max, samples)
+    lowest = _samples(a, b, times).argmin(axis=1)
+    return _minimum(a, b, times[np.maximum(lowest - 1, 0)], times[np.minimum(lowest + 1, samples - 1)])
+
+
+def first_contact(a, b, t_max, samples=800):
+    """First contact time (K,) in [0, t_max]: inf for none, 0 for overlapping at the start; and the smallest mu seen (K,)."""
+    times = np.linspace(0, t_max, samples)
+    mu = _samples(a, b, times)
+    ahead, behind = np.hstack([mu[:, 1:], mu[:, -1:]]), np.hstack([mu[:, :1], mu[:, :-1]])
+    pair, k = np.nonzero((mu >= 1) & (mu <= ahead) & (mu <= behind) & (mu < 1.2))       # minima that may hide a contact between samples
+    when, depth = _minimum(a.pick(pair), b.pick(pair), times[np.maximum(k - 1, 0)], times[np.minimum(k + 1, samples - 1)])
+    smallest = mu.min(axis=1)
+    np.minimum.at(smallest, pair, depth)
+    inside = np.where((mu < 1).any(axis=1), times[(mu < 1).argmax(axis=1)], np.inf)     # a time when they overlap, the first known
+    np.minimum.at(inside, pair[depth < 1], when[depth < 1])
+    found = np.isfinite(inside) & (inside > 0)
+    high = inside[found]
+    low = times[np.maximum(np.searchsorted(times, high) - 1, 0)]
+    low = np.where(touching_scale(a.pick(found), b.pick(found), low) < 1, 0, low)       # never, unless two minima share a sample
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        overlap = touching_scale(a.pick(found), b.pick(found), middle) < 1
+        low, high = np.where(overlap, low, middle), np.where(overlap, middle, high)
+    contact = np.where(inside == 0, 0, np.inf)
+    contact[found] = 0.5 * (low + high)
+    return contact, smallest
+
+
+def graze(a, b, t_max, depth, rounds=12, samples=200):
+    """Move each B along the contact normal until the smallest mu in [0, t_max] is 1 - depth (K,). -> B, time (K,) of that minimum."""
+    for _ in range(rounds):
+        time, mu = deepest(a, b, t_max, samples)
+        (center_a, axes_a), (center_b, axes_b) = a.at(time), b.at(time)
+        _, gradient = contact_function_and_normal(center_b - center_a, axes_a, axes_b)
+        length = np.linalg.norm(gradient, axis=1)                   # mu grows by length / mu for each unit of a shift along the normal
+        b = b.moved(((1 - depth - mu) * mu / length**2)[:, None] * gradient)
+    return b, time
