@@ -280,7 +280,7 @@ def _consider(world, body, other, shift):
     lists.count[other] += 1
     lists.pair[body, slot_a] = lists.pair[other, slot_b] = pair
     lists.partner[body, slot_a], lists.partner[other, slot_b] = other, body
-    hold(world, body, slot_a, world.clock[NOW] + span_without_contact(world, flight_now(world.bodies[body], world.clock), body, pair))
+    hold(world, body, slot_a, world.clock[NOW] + span_without_contact(world, flight_now(world.bodies[body], world.clock), body, slot_a))
     return DONE
 
 

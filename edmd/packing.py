@@ -10,14 +10,17 @@ from ccd import checks
 from ccd.contacts import contact_numbers, contact_pairs, mean_contact_number, rattlers
 from edmd.initial import lattice, thermalized
 from edmd.observers import Milestones
-from edmd.simulation import Simulation
+from edmd.simulation import Simulation, checked_pressure
 from edmd.system import System
+from edmd.tolerances import MARGIN
 from edmd.trajectory import Trajectory, check_output
 
 START_FRACTION = 0.3            # packing fraction of the crystal that melts, unless its lattice holds less
 ROOMY = 0.85                    # part of what the lattice holds at most, where that is less
 BODIES_PER_CELL = 4             # fcc
 LEAST_BODIES = 8
+DENSEST = 0.75                  # packing fraction for which the cell must have room around every body
+CLOSED, WIDEST_GAP = 1000.0, 0.01
 
 
 class Packing(NamedTuple):
@@ -35,20 +38,23 @@ class Packing(NamedTuple):
     seconds: float
 
 
-def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, start_fraction=None, melt=100, contact_gap=1e-5, output=None,
+def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, start_fraction=None, melt=100, contact_gap=None, output=None,
          overwrite=False, observers=()):
     """Pack n equal ellipsoids: an fcc crystal built by ASE melts, and the fluid is compressed (Lubachevsky and Stillinger) until it jams.
 
     semi_axes (3,); rate: the semi-axes grow as 1 + rate t from those of the crystal, at kT = 1 and mass 1; seed: of the thermal velocities,
     and of the sites that stay empty when n is no number of a crystal; until_pressure: the reduced pressure at which the packing counts as
     jammed; start_fraction: packing fraction of the crystal (default 0.3, or less for shapes that do not fit); melt: collisions per particle
-    before the compression; contact_gap: see Packing. output: an H5MD file with the whole course, refused when it exists unless overwrite.
+    before the compression; contact_gap: see Packing (default 1000 / until_pressure, where contacts have closed and near ones have not,
+    at most 0.01). output: an H5MD file with the whole course, refused when it exists unless overwrite.
     The bodies end larger than they began: system.semi_axes tells. -> Packing. ValueError names what cannot be.
     """
     semi_axes = checks.semi_axes("semi_axes", semi_axes)
     rate = checks.real_number("rate", rate, "a positive growth rate", above=0)
     melt = checks.real_number("melt", melt, "a number of collisions per particle, not negative", at_least=0)
-    contact_gap = checks.real_number("contact_gap", contact_gap, "a positive number", above=0)
+    until_pressure = checked_pressure(until_pressure)
+    contact_gap = min(WIDEST_GAP, CLOSED / until_pressure) if contact_gap is None else checks.real_number(
+        "contact_gap", contact_gap, "a positive number", above=0)
     start = _crystal(n, semi_axes, start_fraction, seed)
     parameters = {"n": int(n), "semi_axes": semi_axes.tolist(), "rate": rate, "seed": seed, "until_pressure": until_pressure,
                   "start_fraction": start.packing_fraction, "melt": melt}
@@ -86,7 +92,12 @@ def _crystal(n, semi_axes, start_fraction, seed):
         start_fraction = min(START_FRACTION, ROOMY * _most(semi_axes) * n / sites)
     full = lattice("fcc", semi_axes, start_fraction * sites / n, cells, seed)
     stay = np.sort(np.random.default_rng(seed).permutation(sites)[:n])
-    return thermalized(System(full.positions[stay], full.orientations[stay], semi_axes, full.box), seed)
+    system = System(full.positions[stay], full.orientations[stay], semi_axes, full.box)
+    longest = (semi_axes.max() + MARGIN * np.cbrt(semi_axes.prod())) * np.cbrt(DENSEST / system.packing_fraction)
+    if system.box.diagonal().min() < 2 * longest:
+        raise ValueError(f"n = {n}: too few bodies of this shape, each would come near its own periodic image when packed; expected at "
+                         f"least {ceil(n * (2 * longest / system.box.diagonal().min())**3)}")
+    return thermalized(system, seed)
 
 
 def _most(semi_axes):

