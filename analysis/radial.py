@@ -3,7 +3,7 @@
 import numpy as np
 from MDAnalysis.analysis.base import AnalysisBase
 
-from ccd.checks import real_array
+from ccd.checks import cell_vectors, real_array
 from ccd.culling import near_pairs
 
 
@@ -16,7 +16,7 @@ def radial_distribution(positions, cell, r_max, bins=100):
     shell, g (bins,)).
     """
     positions = real_array("positions", positions, (None, 3), "an array (n, 3)")
-    cell = real_array("cell", cell, (3, 3), "three cell vectors as rows (3, 3)")
+    cell = cell_vectors("cell", cell)
     n = len(positions)
     if n < 2:
         raise ValueError(f"positions: {n} bodies; at least 2 are needed")

@@ -1,6 +1,7 @@
 """Arrays of pairs, on all cores."""
 
 from dataclasses import dataclass
+from math import nan
 
 import numba
 import numpy as np
@@ -9,7 +10,7 @@ from ccd import checks
 from ccd.compiling import kernel, parallel_kernel
 from ccd.first_contact import free_flight_contact
 from ccd.rotation import body_axes
-from ccd.separation import contact_value, maximise, pencil, semi_axis_vectors, shape_matrix
+from ccd.separation import balance, contact_value, maximise, pencil, semi_axis_vectors, shape_matrix
 from ccd.tolerances import EXACT
 from ccd.vectors import load, subtract
 
@@ -33,7 +34,8 @@ class Bodies:
             semi_axes = np.tile(checks.semi_axes("semi_axes", self.semi_axes), (n, 1))
         else:
             semi_axes = checks.semi_axes("semi_axes", self.semi_axes, (n, 3), f"({n}, 3) positive lengths")
-        growth_rate = np.zeros(n) if self.growth_rate is None else np.broadcast_to(self.growth_rate, (n,))
+        growth_rate = 0.0 if self.growth_rate is None else self.growth_rate
+        growth_rate = np.full(n, growth_rate) if np.ndim(growth_rate) == 0 else growth_rate
         values = {"center": center, "semi_axes": semi_axes,
                   "orientation": checks.unit_quaternions("orientation", self.orientation, (n, 4), f"quaternions ({n}, 4)"),
                   "growth_rate": checks.real_array("growth_rate", growth_rate, (n,), f"one number or ({n},)")}
@@ -48,7 +50,10 @@ class Bodies:
 
 
 def contact_function(bodies_a, bodies_b):
-    """The contact function f (n,) of the pairs (a[k], b[k]), eq. (1): > 1 apart, 1 touching, < 1 overlapping. Motion is ignored."""
+    """The contact function f (n,) of the pairs (a[k], b[k]), eq. (1): > 1 apart, 1 touching, < 1 overlapping. Motion is ignored.
+
+    nan where float64 cannot hold the pencil parameter (sizes some 1e10 apart).
+    """
     _check_lengths(bodies_a, bodies_b)
     f = np.empty(len(bodies_a))
     _contact_functions(bodies_a.semi_axes, bodies_a.center, bodies_a.orientation,
@@ -69,6 +74,9 @@ def first_contact(bodies_a, bodies_b, t_max=1.0):
 
 
 def _check_lengths(bodies_a, bodies_b):
+    for name, bodies in (("bodies_a", bodies_a), ("bodies_b", bodies_b)):
+        if not isinstance(bodies, Bodies):
+            raise ValueError(f"{name} = {bodies!r}: expected ccd.Bodies")
     if len(bodies_a) != len(bodies_b):
         raise ValueError(f"bodies_b has {len(bodies_b)} bodies: expected as many as bodies_a, {len(bodies_a)}")
 
@@ -93,9 +101,10 @@ def _contact_functions(semi_axes_a, center_a, orientation_a, semi_axes_b, center
     for k in numba.prange(len(f)):
         s_a = semi_axis_vectors(load(semi_axes_a[k], 0), body_axes(_quaternion(orientation_a[k], 0)))
         s_b = semi_axis_vectors(load(semi_axes_b[k], 0), body_axes(_quaternion(orientation_b[k], 0)))
-        d, n = pencil(shape_matrix(s_a), shape_matrix(s_b), subtract(load(center_b[k], 0), load(center_a[k], 0)))
-        x, _ = maximise(d, n, 0.5, EXACT)
-        f[k] = contact_value(d, n, x)
+        a, b = shape_matrix(s_a), shape_matrix(s_b)
+        d, n = pencil(a, b, subtract(load(center_b[k], 0), load(center_a[k], 0)))
+        x, converged = maximise(d, n, balance(a, b), EXACT)
+        f[k] = contact_value(d, n, x) if converged else nan
 
 
 @parallel_kernel

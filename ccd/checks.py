@@ -41,3 +41,11 @@ def real_number(name, value, what="a number", above=-np.inf, at_least=-np.inf, b
     if not (np.isfinite(number) and number > above and number >= at_least and number < below):
         raise ValueError(f"{name} = {value!r}: expected {what}")
     return number
+
+
+def cell_vectors(name, value):
+    """A periodic cell (3, 3): rows that span a volume."""
+    cell = real_array(name, value, (3, 3), "three cell vectors as rows (3, 3)")
+    if not abs(np.linalg.det(cell)) > 0:
+        raise ValueError(f"{name} = {cell.tolist()}: expected three vectors that span a volume")
+    return cell

@@ -16,22 +16,22 @@ import numba
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("ccd", "edmd", "analysis")
+_IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+)?import\s+(\([^)]*\)|.+)$", re.MULTILINE)
 FOLDERS_KEPT = 4                 # caches of earlier sources, for people who switch between branches
-_IMPORT = re.compile(r"^\s*from\s+([\w.]+)\s+import\s+(.+)$", re.MULTILINE)
 
 
 def kernel_sources(package):
     """Files of a package that hold a kernel, and every file of these packages that they import, directly or not: name -> text."""
-    files = {str(path.relative_to(ROOT))[:-3].replace(os.sep, "."): path for each in PACKAGES for path in (ROOT / each).rglob("*.py")}
-    texts = {name: path.read_bytes() for name, path in files.items()}
+    texts = {str(path.relative_to(ROOT))[:-3].replace(os.sep, ".").removesuffix(".__init__"): path.read_bytes()
+             for each in PACKAGES for path in (ROOT / each).rglob("*.py")}
     reached = {name for name, text in texts.items() if name.startswith(f"{package}.") and re.search(rb"^@(parallel_)?kernel", text, re.M)}
     frontier = list(reached)
     while frontier:
         for module, names in _IMPORT.findall(texts[frontier.pop()].decode()):
-            for name in (module, *(f"{module}.{part.strip(' ()').split(' as ')[0]}" for part in names.split(","))):
-                if name in texts and name not in reached:
-                    reached.add(name)
-                    frontier.append(name)
+            names = re.findall(r"[\w.]+", names)
+            new = ({module, *(f"{module}.{name}" for name in names)} if module else set(names)) & texts.keys() - reached
+            reached |= new
+            frontier += new
     return {name: texts[name] for name in sorted(reached)}
 
 

@@ -18,9 +18,7 @@ def contact_functions(positions, orientations, semi_axes, cell, gap=0.0):
     n = len(positions)
     orientations = checks.unit_quaternions("orientations", orientations, (n, 4), f"quaternions ({n}, 4)")
     semi_axes = checks.semi_axes("semi_axes", semi_axes, (n, 3), f"({n}, 3) positive lengths")
-    cell = checks.real_array("cell", cell, (3, 3), "three cell vectors as rows (3, 3)")
-    if not abs(np.linalg.det(cell)) > 0:
-        raise ValueError(f"cell = {cell.tolist()}: expected three vectors that span a volume")
+    cell = checks.cell_vectors("cell", cell)
     gap = checks.real_number("gap", gap, "a number not below 0", at_least=0)
     first, second, separation = close_pairs(positions, semi_axes.max(axis=1) * (1 + gap), cell)
     f = batch.contact_function(batch.Bodies(semi_axes[first], np.zeros_like(separation), orientations[first]),

@@ -79,7 +79,7 @@ def free_flight_contact(a, b, t_max):
     velocity = subtract(velocity_b, velocity_a)
     start = subtract(centre_b, centre_a)
     nowhere = (0.0, 0.0, 0.0)
-    time, pencil_parameter = 0.0, 0.5
+    time, pencil_parameter = 0.0, norm(axes_a) / (norm(axes_a) + norm(axes_b))
     if norm(start) == 0.0:
         return OVERLAPPING, 0.0, nowhere, centre_a, 0
     for step in range(SHOOT_STEPS):

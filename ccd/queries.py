@@ -4,14 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ccd.checks import real_number
+from ccd.checks import real_array
 from ccd.compiling import kernel
 from ccd.ellipsoid import Ellipsoid
 from ccd.first_contact import free_flight_contact
 from ccd.motion import FreeFlight
 from ccd.quaternions import products, rotations
 from ccd.rotation import body_axes
-from ccd.separation import best_plane, contact_point, contact_value, pencil, semi_axis_vectors, shape_matrix, support
+from ccd.separation import balance, best_plane, contact_point, contact_value, pencil, semi_axis_vectors, shape_matrix, support
 from ccd.status import State, Status
 from ccd.tolerances import EXACT, TOUCHING_STATE
 from ccd.vectors import dot, subtract
@@ -47,22 +47,26 @@ class Contact(NamedTuple):
 def _separation(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, orientation_b):
     s_a, s_b = semi_axis_vectors(semi_axes_a, body_axes(orientation_a)), semi_axis_vectors(semi_axes_b, body_axes(orientation_b))
     r = subtract(center_b, center_a)
-    n, x, _ = best_plane(s_a, s_b, r, 0.5, EXACT)
-    d, numerator = pencil(shape_matrix(s_a), shape_matrix(s_b), r)
-    return contact_value(d, numerator, x), dot(n, r) - support(s_a, n) - support(s_b, n), n, contact_point(center_a, s_a, r, s_b, n), x
+    a, b = shape_matrix(s_a), shape_matrix(s_b)
+    n, x, converged = best_plane(s_a, s_b, r, balance(a, b), EXACT)
+    d, numerator = pencil(a, b, r)
+    gap = dot(n, r) - support(s_a, n) - support(s_b, n)
+    return converged, contact_value(d, numerator, x), gap, n, contact_point(center_a, s_a, r, s_b, n), x
 
 
 def separation(a, b):
     """State, contact function, gap, normal and contact point of two ellipsoids at rest (Perram and Wertheim; eqs. (1) to (4)).
 
-    Concentric ellipsoids have no normal: contact function 0, gap minus infinity, normal and point nan.
+    Concentric ellipsoids have no normal: contact function 0, gap minus infinity, normal and point nan. ArithmeticError where float64
+    cannot hold the pencil parameter (sizes some 1e10 apart).
     """
-    for name, body in (("a", a), ("b", b)):
-        if not isinstance(body, Ellipsoid):
-            raise ValueError(f"{name} = {body!r}: expected a ccd.Ellipsoid")
+    _check_ellipsoids(a, b)
     if np.array_equal(a.center, b.center):
         return Separation(State.OVERLAPPING, 0.0, -np.inf, np.full(3, np.nan), np.full(3, np.nan), 0.5)
-    f, gap, n, point, x = _separation(*map(_tuple, (a.semi_axes, a.center, a.orientation, b.semi_axes, b.center, b.orientation)))
+    bodies = (a.semi_axes, a.center, a.orientation, b.semi_axes, b.center, b.orientation)
+    converged, f, gap, n, point, x = _separation(*map(_tuple, bodies))
+    if not converged:
+        raise ArithmeticError(f"the contact function of {a} and {b} cannot be maximised in double precision")
     state = State.TOUCHING if abs(f - 1) <= TOUCHING_STATE else State.SEPARATE if f > 1 else State.OVERLAPPING
     return Separation(state, f, gap, np.array(n), np.array(point), x)
 
@@ -73,10 +77,11 @@ def first_contact(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
     a, b: Ellipsoid, their poses at t = 0; motions: FreeFlight or Rest(). -> Contact, with status OVERLAPPING when the bodies overlap at
     t_span[0] already, and UNRESOLVED where float64 cannot tell. Contact times are good to 1e-12 of the span at regular contacts.
     """
+    _check_ellipsoids(a, b)
     for name, motion in (("motion_a", motion_a), ("motion_b", motion_b)):
         if not isinstance(motion, FreeFlight):
             raise ValueError(f"{name} = {motion!r}: expected ccd.FreeFlight or ccd.Rest()")
-    start, end = (real_number("t_span", t, "two finite times (start, end)") for t in t_span)
+    start, end = real_array("t_span", t_span, (2,), "two finite times (start, end)").tolist()
     if not start < end:
         raise ValueError(f"t_span = {t_span!r}: expected start < end")
     status, time, n, point, steps = free_flight_contact(_flight("motion_a", a, motion_a, start, end),
@@ -84,6 +89,12 @@ def first_contact(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
     if status == Status.NO_CONTACT:
         n = point = (np.nan,) * 3
     return Contact(Status(status), start + time, np.array(point), np.array(n), steps)
+
+
+def _check_ellipsoids(a, b):
+    for name, body in (("a", a), ("b", b)):
+        if not isinstance(body, Ellipsoid):
+            raise ValueError(f"{name} = {body!r}: expected a ccd.Ellipsoid")
 
 
 def _flight(name, body, motion, start, end):

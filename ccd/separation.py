@@ -96,11 +96,18 @@ def contact_value(d, n, x):
 
 
 @kernel
+def balance(a, b):
+    """Where to start: the maximiser for two spheres of the same mean squared semi-axes, from shape matrices a, b."""
+    size_a, size_b = sqrt(a[0] + a[1] + a[2]), sqrt(b[0] + b[1] + b[2])
+    return size_a / (size_a + size_b)
+
+
+@kernel
 def maximise(d, n, start, precision):
     """The maximiser of f in (0, 1), eq. (2), from the coefficients of `pencil`. -> lambda, converged.
 
-    Newton on the numerator of f', kept inside a bracket that shrinks (f is concave), until a step is below `precision` of the distance to
-    the nearer end: the error is then about the square of that.
+    Newton on lambda (1 - lambda) (ln f)', which is nearly straight for any ratio of sizes, kept inside a bracket that shrinks (f is
+    concave), until a step is below `precision` of the distance to the nearer end: the error is then about the square of that.
     """
     low, high, x = 0.0, 1.0, start
     for _ in range(PENCIL_STEPS):
@@ -113,12 +120,14 @@ def maximise(d, n, start, precision):
         under = x * y * quadratic
         under_1 = (y - x) * quadratic + x * y * quadratic_1
         under_2 = -2 * quadratic + 2 * (y - x) * quadratic_1 + x * y * quadratic_2
-        top, top_1 = cubic * under_1 - cubic_1 * under, cubic * under_2 - cubic_2 * under       # the sign of f', and its slope
-        if top > 0:
+        rate = under_1 / under - cubic_1 / cubic                                                        # (ln f)'
+        bend = under_2 / under - (under_1 / under)**2 - cubic_2 / cubic + (cubic_1 / cubic)**2          # (ln f)''
+        if rate > 0:
             low = x
         else:
             high = x
-        step = -top / top_1 if top_1 < 0 else 2.0
+        slope = (y - x) * rate + x * y * bend
+        step = -x * y * rate / slope if slope < 0 else 2.0
         if not low <= x + step <= high:
             step = 0.5 * (low + high) - x
         x += step

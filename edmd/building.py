@@ -58,13 +58,13 @@ class Synchronised(NamedTuple):
     turning: np.ndarray
 
 
-def synchronised_rows(world):
-    """The bodies of now, as copies, and the images (n, 3) of their positions. The world is not touched."""
-    rows = world.bodies.copy()
+def synchronised_rows(world, order):
+    """The bodies of now in some order (n,), as copies, and the images (n, 3) of their positions. The world is not touched."""
+    rows = world.bodies[order]
     advance_all(rows, world.clock[state.NOW])
     positions, outside = wrap(rows[:, state.POSITION:state.POSITION + 3], world.grid.box)
     return Synchronised(positions, rows[:, state.VELOCITY:state.VELOCITY + 3], rows[:, state.ORIENTATION:state.ORIENTATION + 4],
-                        rows[:, state.TURNING:state.TURNING + 3]), world.image + outside
+                        rows[:, state.TURNING:state.TURNING + 3]), world.image[order] + outside
 
 
 def flattened(world, prefix=""):

@@ -22,7 +22,7 @@ def advance_events(world, until_time, until_collisions):
             return COLLISIONS_REACHED
         if tally[COLLISIONS] >= tally[NEXT_EPOCH]:
             return EPOCH
-        time, body = calendar.time[1], calendar.body[1]
+        time, body = calendar.time[1], int(calendar.body[1])
         if time > until_time:
             clock[NOW] = until_time
             return TIME
@@ -31,13 +31,13 @@ def advance_events(world, until_time, until_collisions):
             return STALLED
         clock[NOW] = max(time, clock[NOW])
         tally[EVENTS] += 1
-        slot = calendar.slot[body]
+        slot = int(calendar.slot[body])
         if slot == ESCAPE:
             status = escape(world, body)
             if status != DONE:
                 return status
         elif slot < lists.count[body] and lists.time[body, slot] == time:
-            pair, partner = lists.pair[body, slot], lists.partner[body, slot]
+            pair, partner = lists.pair[body, slot], int(lists.partner[body, slot])
             touches, rate = look(world, body, slot)
             if touches:
                 collide(world, pair, rate)

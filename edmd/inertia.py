@@ -1,4 +1,4 @@
-"""Moments of inertia, and the motion of a body of revolution: precession of the shape, spin about the axis."""
+"""Moments of inertia, the motion of bodies of revolution (precession of the shape, spin about the axis), kinetic energy."""
 
 import numpy as np
 
@@ -62,3 +62,24 @@ def axis_directions(system):
     """Index (n,) and direction (n, 3) in the lab of the symmetry axis, the third axis where there is none."""
     axis = np.minimum(symmetry_axes(system.semi_axes), 2)
     return axis, to_lab(system.orientations, np.eye(3)[axis])
+
+
+def degrees_of_freedom(system):
+    """Those that exchange energy: 3 n - 3 of translation, 0, 2 or 3 of rotation a body (spheres, bodies of revolution, others)."""
+    return max(3 * system.n - 3, 1) + int(rotational_degrees(system.semi_axes).sum())
+
+
+def kinetic_energies(system):
+    """Translational energy, and rotational energy without the spin of bodies of revolution about their axes, which never changes."""
+    translation = 0.5 * (system.masses[:, None] * system.velocities**2).sum()
+    kinds = symmetry_axes(system.semi_axes)
+    axis, u = axis_directions(system)
+    along = (system.angular_velocities * u).sum(axis=1, keepdims=True) * u
+    active = np.where((kinds < 3)[:, None], system.angular_velocities - along, system.angular_velocities)
+    moments = system.moments[np.arange(system.n), (axis + 1) % 3]
+    return translation, 0.5 * (moments * (active**2).sum(axis=1))[kinds < 4].sum()
+
+
+def temperature_of(system):
+    """kT = 2 E / degrees of freedom."""
+    return 2 * sum(kinetic_energies(system)) / degrees_of_freedom(system)

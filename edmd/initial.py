@@ -7,7 +7,7 @@ import numpy as np
 from ccd import checks
 from ccd.contacts import contact_functions
 from ccd.quaternions import to_lab
-from edmd.inertia import axis_directions, rotational_degrees, symmetry_axes
+from edmd.inertia import temperature_of
 from edmd.system import System
 
 LATTICES = ("fcc", "bcc", "sc", "hcp")
@@ -114,27 +114,6 @@ def thermalized(system, seed=0, temperature=1.0):
     system.velocities *= factor
     system.angular_velocities *= factor
     return system
-
-
-def degrees_of_freedom(system):
-    """Those that exchange energy: 3 n - 3 of translation, 0, 2 or 3 of rotation a body (spheres, bodies of revolution, others)."""
-    return max(3 * system.n - 3, 1) + int(rotational_degrees(system.semi_axes).sum())
-
-
-def kinetic_energies(system):
-    """Translational energy, and rotational energy without the spin of bodies of revolution about their axes, which never changes."""
-    translation = 0.5 * (system.masses[:, None] * system.velocities**2).sum()
-    kinds = symmetry_axes(system.semi_axes)
-    axis, u = axis_directions(system)
-    along = (system.angular_velocities * u).sum(axis=1, keepdims=True) * u
-    active = np.where((kinds < 3)[:, None], system.angular_velocities - along, system.angular_velocities)
-    moments = system.moments[np.arange(system.n), (axis + 1) % 3]
-    return translation, 0.5 * (moments * (active**2).sum(axis=1))[kinds < 4].sum()
-
-
-def temperature_of(system):
-    """kT = 2 E / degrees of freedom."""
-    return 2 * sum(kinetic_energies(system)) / degrees_of_freedom(system)
 
 
 def _packing_fraction(value):

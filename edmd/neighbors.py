@@ -243,7 +243,7 @@ def _search_cell(world, body, cell, shift):
     anchors = world.anchors
     image = displaced((0.0, 0.0, 0.0), world.grid.box, shift[0], shift[1], shift[2])
     here = subtract(load(anchors[body], ANCHOR_POSITION), image)
-    other = world.grid.first[cell]
+    other = int(world.grid.first[cell])
     while other >= 0:
         r = subtract(load(anchors[other], ANCHOR_POSITION), here)
         within = anchors[body, ANCHOR_RADIUS] + anchors[other, ANCHOR_RADIUS]
@@ -253,7 +253,7 @@ def _search_cell(world, body, cell, shift):
                 status = _consider(world, body, other, shift)
                 if status != DONE:
                     return status
-        other = world.grid.following[other]
+        other = int(world.grid.following[other])
     return DONE
 
 

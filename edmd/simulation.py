@@ -13,9 +13,9 @@ from edmd import building, epoch, state
 from edmd.averages import Interval
 from edmd.engine import advance_events
 from edmd.events import Ended
-from edmd.inertia import axis_directions, shape_turning, symmetry_axes
-from edmd.initial import degrees_of_freedom
+from edmd.inertia import axis_directions, degrees_of_freedom, shape_turning, symmetry_axes
 from edmd.observers import View
+from edmd.ordering import spatial_order
 from edmd.state import EPOCH, GROWTH, NOW, SIZE
 from edmd.system import System
 from edmd.tolerances import OVERLAP
@@ -46,7 +46,8 @@ class Simulation:
                              "expected a start without overlap")
         self.seed = seed
         self._system = system.copy()
-        self._world = building.build_world(system)
+        self._order = spatial_order(system.positions, system.box)          # of the bodies in the world
+        self._world = building.build_world(system.subset(self._order))
         self._spin = shape_turning(system)[2]
         self._grown_inertia = 1.0
         self._done = self._before = Interval()
@@ -103,7 +104,7 @@ class Simulation:
 
     def synchronised(self):
         """The System of now, positions in the cell, and the images (n, 3) they belong to: unwrapped = positions + images @ box."""
-        rows, images = building.synchronised_rows(self._world)
+        rows, images = building.synchronised_rows(self._world, np.argsort(self._order))
         like = self._system
         axis, _ = axis_directions(like)
         spun = rotations(np.eye(3)[axis] * (self._spin * self.time)[:, None])
@@ -209,7 +210,7 @@ class Simulation:
                  "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "format": 1}
         partial = path.with_name(path.name + ".partial")
         with open(partial, "wb") as file:
-            np.savez(file, facts=json.dumps(facts), spin=self._spin, **arrays)
+            np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
         os.replace(partial, path)
 
     @classmethod
@@ -225,7 +226,7 @@ class Simulation:
             simulation._system = System(**system, inertia=facts["inertia"] if facts["inertia"] != "moments" else moments)
             simulation._world = building.unflattened({name.removeprefix("world."): array for name, array in arrays.items()
                                                       if name.startswith("world.")})
-            simulation._spin, simulation.seed = arrays["spin"], facts["seed"]
+            simulation._spin, simulation._order, simulation.seed = arrays["spin"], arrays["order"], facts["seed"]
             simulation._grown_inertia = facts["grown_inertia"]
             simulation._done, simulation._before = Interval(*facts["done"]), Interval(*facts["before"])
         except (OSError, ValueError, KeyError) as problem:
@@ -288,7 +289,8 @@ class Simulation:
             raise ValueError(building.cell_too_small(self._system.box))
         if status == Ended.STALLED:
             raise Stalled(f"time stands still at {self.time:.17g} after {self.collisions} collisions: body "
-                          f"{self._world.calendar.body[1]} has event after event; packing fraction {self.packing_fraction:.12g}")
+                          f"{self._order[self._world.calendar.body[1]]} has event after event at packing fraction "
+                          f"{self.packing_fraction:.12g}")
         return status
 
     def _to_unit_temperature(self):

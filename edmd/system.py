@@ -67,8 +67,13 @@ class System:
         return Ellipsoid(self.semi_axes[index], self.positions[index], self.orientations[index])
 
     def copy(self):
-        return System(self.positions, self.orientations, self.semi_axes, self.box, self.velocities, self.angular_velocities,
-                      self.masses, self.inertia, self.species)
+        return self.subset(np.arange(self.n))
+
+    def subset(self, indices):
+        """The System of some of the bodies, in this order, in the same cell."""
+        inertia = self.inertia if isinstance(self.inertia, str) else self.moments[indices]
+        return System(self.positions[indices], self.orientations[indices], self.semi_axes[indices], self.box, self.velocities[indices],
+                      self.angular_velocities[indices], self.masses[indices], inertia, self.species[indices])
 
     def contact_functions(self, gap=0.0):
         """The pairs whose bounding spheres touch when scaled by 1 + gap, and their contact functions; see `ccd.contacts`."""

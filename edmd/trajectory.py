@@ -9,7 +9,7 @@ import numpy as np
 
 import edmd
 from edmd.averages import Interval
-from edmd.initial import temperature_of
+from edmd.inertia import temperature_of
 from edmd.observers import Every, Observer
 from edmd.provenance import provenance
 from edmd.system import System, wrap

@@ -1,0 +1,64 @@
+"""The bounds that make the shoot safe: nothing a body does in flight goes beyond them, and they are no looser than they say."""
+
+import numpy as np
+import pytest
+from dense import Flights
+from pairs import directions
+
+from ccd.first_contact import curvature, grown, holding_time, support_motion
+
+HORIZON = 0.8
+
+
+@pytest.mark.parametrize("growth", [0.0, 1.0, -0.9])
+@pytest.mark.parametrize("spin", [0.2, 1.0, 10.0])
+@pytest.mark.parametrize("axes", [(0.9, 1.1), (0.1, 3)])
+def test_the_support_of_a_flying_body_stays_below_its_parabola(axes, spin, growth):
+    """Eqs. (5) to (7) and (11): it starts at the value and slope of h, and is nowhere below h up to the horizon."""
+    rng, n = np.random.default_rng(1), 100
+    body = Flights(np.exp(rng.uniform(*np.log(axes), (n, 3))), np.zeros((n, 3)), rng.normal(size=(n, 4)), np.zeros((n, 3)),
+                   spin * directions(rng, n), np.full(n, growth))
+    direction = directions(rng, n)
+
+    def support(time):
+        return np.linalg.norm(np.einsum("kij,ki->kj", body.at(np.full(n, time))[1], direction), axis=1)
+
+    parabolas = []
+    for k in range(n):
+        s = tuple(map(tuple, body.pick([k]).at(np.zeros(1))[1][0].T.tolist()))
+        turning = tuple(body.angular_velocity[k].tolist())
+        bend = curvature(tuple(body.semi_axes[k].tolist()), turning)
+        parabolas.append(grown(support_motion(s, turning, bend, tuple(direction[k].tolist()), 0.0), 1.0, growth, HORIZON))
+    value, rate, bend = np.array(parabolas).T
+    np.testing.assert_allclose(value, support(0.0), rtol=1e-14)
+    np.testing.assert_allclose(rate, (support(1e-5) - support(-1e-5)) / 2e-5, rtol=0, atol=1e-7 * (1 + spin**3))
+    for time in np.linspace(0, HORIZON, 81):
+        assert (support(time) <= value + rate * time + 0.5 * bend * time**2 + 1e-13).all()
+
+
+def test_an_aged_parabola_holds_too():
+    """Without taking the body to now: the parabola made from axes of `age` ago holds all the same."""
+    rng = np.random.default_rng(2)
+    for _ in range(50):
+        body = Flights(rng.uniform(0.3, 2, (1, 3)), np.zeros((1, 3)), rng.normal(size=(1, 4)), np.zeros((1, 3)),
+                       3 * rng.normal(size=(1, 3)), np.zeros(1))
+        n, turning = directions(rng, 1)[0], tuple(body.angular_velocity[0].tolist())
+        s = tuple(map(tuple, body.at(np.zeros(1))[1][0].T.tolist()))
+        value, rate, bend = support_motion(s, turning, curvature(tuple(body.semi_axes[0].tolist()), turning), tuple(n.tolist()), 0.3)
+        for later in np.linspace(0, 0.5, 11):
+            h = np.linalg.norm(body.at(np.array([0.3 + later]))[1][0].T @ n)
+            assert h <= value + rate * later + 0.5 * bend * later**2 + 1e-13
+
+
+@pytest.mark.parametrize(("gap", "rate", "bend"), [(1, -1, 0), (1, -1, 2), (1, 1, 2), (1, 0, 2), (1e-12, -1, 5), (1e-12, 3, 5), (0, 1, 2)])
+def test_the_holding_time_is_the_first_root_ahead(gap, rate, bend):
+    time = holding_time(float(gap), float(rate), float(bend))
+    assert time > 0
+    assert gap + rate * time - 0.5 * bend * time**2 == pytest.approx(0, abs=1e-14)
+    inside = np.linspace(0, time, 50)[1:-1]
+    assert (gap + rate * inside - 0.5 * bend * inside**2 > 0).all()
+
+
+def test_what_recedes_for_good_never_comes_back():
+    assert holding_time(1.0, 0.5, 0.0) == holding_time(0.0, 0.5, 0.0) == np.inf
+    assert holding_time(-1e-15, -1.0, 3.0) == 0
