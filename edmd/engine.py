@@ -6,10 +6,11 @@ from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
 from edmd.prediction import look, predict, reschedule
 from edmd.state import COLLISIONS, EVENTS, NEXT_EPOCH, NOW, STANDING
-from edmd.tolerances import STALL_EVENTS
+from edmd.tolerances import EVENTS_AT_ONCE, STALL_EVENTS
 
 ESCAPE = int(EventKind.ESCAPE)
-TIME, COLLISIONS_REACHED, EPOCH, STALLED = int(Ended.TIME), int(Ended.COLLISIONS), int(Ended.EPOCH), int(Ended.STALLED)
+TIME, COLLISIONS_REACHED, EPOCH, PAUSED, STALLED = (int(Ended.TIME), int(Ended.COLLISIONS), int(Ended.EPOCH), int(Ended.PAUSED),
+                                                    int(Ended.STALLED))
 
 
 @kernel
@@ -17,7 +18,7 @@ def advance_events(world, until_time, until_collisions):
     """Treat events in order until a time (counted from the epoch) or a number of collisions. -> why it ended, see `Ended`."""
     calendar, lists, clock, tally = world.calendar, world.lists, world.clock, world.tally
     patience = STALL_EVENTS + 100 * len(world.bodies)
-    while True:
+    for _ in range(EVENTS_AT_ONCE):
         if tally[COLLISIONS] >= until_collisions:
             return COLLISIONS_REACHED
         if tally[COLLISIONS] >= tally[NEXT_EPOCH]:
@@ -46,3 +47,4 @@ def advance_events(world, until_time, until_collisions):
                     set_escape(world, other)
                 reschedule(world, partner)
         reschedule(world, body)
+    return PAUSED

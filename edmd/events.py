@@ -17,4 +17,5 @@ class Ended(IntEnum):
     EPOCH = 2               # time for the periodic upkeep (edmd/epoch.py)
     LIST_FULL = 3           # a neighbour list or the pair table needs more room; nothing is lost, enlarge and go on
     CELL_TOO_SMALL = 4      # a body has come near its own periodic image
-    STALLED = 5             # events go on but time stands still
+    PAUSED = 5              # many events went by; Python may want to look for an interrupt
+    STALLED = 6             # events go on but time stands still

@@ -1,6 +1,7 @@
 """What to see of a run, and when. Observers are handed a view, a synchronised copy: nothing they do changes the run."""
 
 from functools import cached_property
+from math import inf, ulp
 
 from ccd import checks
 
@@ -40,6 +41,11 @@ class View:
         return self._simulation.means_over(interval)
 
 
+def reached(now, goal):
+    """Whether a time or count has come, give or take the rounding of a sum of two times."""
+    return goal < inf and now >= goal - 4 * ulp(goal)
+
+
 class Every:
     """When: at every multiple of a time, of a number of collisions, or of collisions per particle, exactly. Give one of them."""
 
@@ -56,16 +62,16 @@ class Every:
         self._next = self._now(view) + self._step(view)
 
     def next_time(self):
-        return self._next if self.unit == "time" else float("inf")
+        return self._next if self.unit == "time" else inf
 
     def next_collisions(self):
-        return self._next if self.unit != "time" else float("inf")
+        return self._next if self.unit != "time" else inf
 
     def due(self, view):
         """Whether the moment has come; then the next one is set."""
-        if self._now(view) < self._next:
+        if not reached(self._now(view), self._next):
             return False
-        while self._next <= self._now(view):
+        while reached(self._now(view), self._next):
             self._next += self._step(view)
         return True
 
@@ -90,7 +96,7 @@ class Milestones:
         self._fraction, self._pressure = view.packing_fraction, None
 
     def next_time(self):
-        return float("inf")
+        return inf
 
     next_collisions = next_time
 

@@ -14,14 +14,13 @@ from edmd.averages import Interval
 from edmd.engine import advance_events
 from edmd.events import Ended
 from edmd.inertia import axis_directions, degrees_of_freedom, shape_turning, symmetry_axes
-from edmd.observers import View
+from edmd.observers import View, reached
 from edmd.ordering import spatial_order
 from edmd.state import EPOCH, GROWTH, NOW, SIZE
 from edmd.system import System
 from edmd.tolerances import OVERLAP
 from edmd.verify import verify_world
 
-BLOCK = 200_000             # collisions after which Python looks for an interrupt
 JAMMED = 1e12               # reduced pressure beyond which float64 cannot resolve the gaps
 
 
@@ -148,6 +147,8 @@ class Simulation:
         if len(chosen) != 1:
             raise ValueError(f"run({', '.join(chosen)}): expected exactly one of {', '.join(given)}")
         length = checks.real_number(chosen[0], given[chosen[0]], "a positive number", above=0)
+        if time is None and self.n == 1:
+            raise ValueError(f"{chosen[0]} = {length}: a single body never collides; expected a time")
         until_time = self.time + length if time is not None else inf
         until_collisions = inf
         if time is None:
@@ -247,7 +248,7 @@ class Simulation:
         interval = Interval()
         while True:
             time = min([until_time, *(observer.when.next_time() for observer in observers)])
-            collisions = min([until_collisions, self.collisions + BLOCK, *(observer.when.next_collisions() for observer in observers)])
+            collisions = min([until_collisions, *(observer.when.next_collisions() for observer in observers)])
             if self._block(time, collisions) == Ended.EPOCH:
                 interval = self._new_epoch(upkeep)
                 self.last_means = self.means_over(interval)
@@ -256,7 +257,7 @@ class Simulation:
             for observer in observers:
                 if observer.when.due(View(self, interval)):
                     observer.see(View(self, interval))
-            if (self.time >= until_time or self.collisions >= until_collisions
+            if (reached(self.time, until_time) or self.collisions >= until_collisions
                     or self.means_over(interval).reduced_pressure >= until_pressure):
                 return
 

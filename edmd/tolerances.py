@@ -9,6 +9,7 @@ EPOCH_COLLISIONS = 4        # collisions per body between two upkeeps (and at le
 EPOCH_LEAST = 64
 GROWTH_HORIZON = 1e-2       # relative growth for which one prediction is made, at most
 STALL_EVENTS = 10_000       # events without progress of time (plus 100 per body) after which the engine gives up
+EVENTS_AT_ONCE = 1_000_000  # events between two looks of Python for an interrupt
 LIST_ROOM = 16              # first capacity of a neighbour list; it grows when needed
 CELL_FRACTION = 0.5         # width of a grid cell in units of the largest list radius
 OVERLAP = 1e-10             # relative depth from which two bodies handed over or read from a file count as overlapping
