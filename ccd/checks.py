@@ -1,6 +1,11 @@
 """Bad input in words: each check returns the value as the library wants it, or raises ValueError that names the argument."""
 
+import operator
+
 import numpy as np
+
+UNIT = 1e-15
+
 
 
 def real_array(name, value, shape, what):
@@ -29,7 +34,7 @@ def unit_quaternions(name, value, shape=(4,), what="a quaternion (w, x, y, z)"):
     length = np.sqrt((array * array).sum(axis=-1, keepdims=True))
     if not (length > 1e-150).all():
         raise ValueError(f"{name} = {value!r}: a quaternion must not be zero")
-    return array / length
+    return np.where(abs(length - 1) < UNIT, array, array / length)          # what is unit already keeps its bits
 
 
 def real_number(name, value, what="a number", above=-np.inf, at_least=-np.inf, below=np.inf):
@@ -49,3 +54,14 @@ def cell_vectors(name, value):
     if not abs(np.linalg.det(cell)) > 0:
         raise ValueError(f"{name} = {cell.tolist()}: expected three vectors that span a volume")
     return cell
+
+
+def natural_number(name, value):
+    """An integer from 0 on, such as a seed."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = -1
+    if number < 0:
+        raise ValueError(f"{name} = {value!r}: expected a whole number from 0 on")
+    return number

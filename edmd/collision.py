@@ -45,7 +45,8 @@ def collide(world, pair, rate):
     n = load(world.pairs.plane[pair], NORMAL)
     s_a, s_b, size = load_vectors(a, VECTORS), load_vectors(b, VECTORS), size_now(clock)
     arm_a, arm_b = cross(scale(size, support_point(s_a, n)), n), cross(scale(-size, support_point(s_b, n)), n)
-    inverse_mass = (a[INVERSE_MASS] + b[INVERSE_MASS]
+    # n is unit up to rounding only: its square keeps the energy, which would otherwise drift one way
+    inverse_mass = ((a[INVERSE_MASS] + b[INVERSE_MASS]) * dot(n, n)
                     + a[INVERSE_INERTIA] * dot(arm_a, arm_a) + b[INVERSE_INERTIA] * dot(arm_b, arm_b))
     impulse = elastic.impulse(-rate, inverse_mass)
     _kick(a, n, arm_a, -impulse)

@@ -31,8 +31,9 @@ def principal_moments(inertia, semi_axes, masses):
         else:
             raise ValueError(f"inertia = {inertia!r}: expected 'solid', 'sphere' or principal moments (3,) or ({n}, 3)")
         return moments
-    moments = np.broadcast_to(np.asarray(inertia, dtype=float), (n, 3)) if np.ndim(inertia) == 1 else inertia
-    moments = checks.real_array("inertia", moments, (n, 3), f"'solid', 'sphere' or principal moments (3,) or ({n}, 3)")
+    what = f"'solid', 'sphere' or principal moments (3,) or ({n}, 3)"
+    moments = checks.real_array("inertia", inertia, (3,) if np.ndim(inertia) == 1 else (n, 3), what)
+    moments = np.tile(moments, (n, 1)) if moments.ndim == 1 else moments
     if not (moments > 0).all():
         raise ValueError(f"inertia = {inertia!r}: every principal moment must be positive")
     axis = np.minimum(kinds, 2)

@@ -1,5 +1,6 @@
 """Where a run starts: crystals that ASE builds, random systems, thermal velocities."""
 
+import operator
 from math import pi, sqrt
 
 import numpy as np
@@ -27,8 +28,8 @@ def lattice(name, semi_axes, packing_fraction, cells=(5, 5, 5), seed=0, stretche
         raise ValueError(f"name = {name!r}: expected one of {', '.join(LATTICES)}; build any other crystal with ASE and edmd.from_ase")
     semi_axes = checks.semi_axes("semi_axes", semi_axes)
     packing_fraction = _packing_fraction(packing_fraction)
-    counts = tuple(cells)
-    if len(counts) != 3 or any(int(c) != c or c < 1 for c in counts):
+    counts = _counts("cells", cells, "three positive integers")
+    if len(counts) != 3:
         raise ValueError(f"cells = {cells!r}: expected three positive integers")
     from ase.build import bulk
 
@@ -54,6 +55,9 @@ def from_ase(atoms, semi_axes, orientations=None, masses=1.0, inertia="solid", s
     """
     if not atoms.pbc.all():
         raise ValueError(f"atoms.pbc = {atoms.pbc.tolist()}: expected three periodic directions")
+    if atoms.cell.handedness < 0:           # the same lattice, its vectors turned round
+        atoms = atoms.copy()
+        atoms.set_cell(-atoms.cell[:])
     cell, rotation = atoms.cell.standard_form()
     if orientations is None:
         orientations = atoms.arrays["orientation"][:, [3, 0, 1, 2]] if "orientation" in atoms.arrays else [(1.0, 0, 0, 0)] * len(atoms)
@@ -79,12 +83,13 @@ def random_system(n, semi_axes, packing_fraction, seed=0, masses=1.0, inertia="s
     from edmd.simulation import Simulation
 
     packing_fraction = _packing_fraction(packing_fraction)
-    rows = np.atleast_2d(np.asarray(semi_axes, dtype=float))
-    counts = np.atleast_1d(n)
-    if len(rows) != len(counts) or any(int(c) != c or c < 1 for c in counts):
-        raise ValueError(f"n = {n!r}: expected one positive count for each of the {len(rows)} rows of semi_axes")
-    species = np.repeat(np.arange(len(counts)), counts.astype(int))
-    wanted = checks.semi_axes("semi_axes", rows, (None, 3), "three lengths, or one row of three a species")[species]
+    what = "three lengths, or one row of three a species"
+    rows = np.atleast_2d(checks.semi_axes("semi_axes", semi_axes, (3,) if np.ndim(semi_axes) == 1 else (None, 3), what))
+    counts = _counts("n", np.atleast_1d(n), f"one positive whole number for each of the {len(rows)} rows of semi_axes")
+    if len(rows) != len(counts):
+        raise ValueError(f"n = {n!r}: expected one positive whole number for each of the {len(rows)} rows of semi_axes")
+    species = np.repeat(np.arange(len(counts)), counts)
+    wanted = rows[species]
     edge = np.cbrt(4 * pi / 3 * wanted.prod(axis=1).sum() / packing_fraction)
     start = min(packing_fraction, SPARSE)
     small = wanted * np.cbrt(start / packing_fraction)
@@ -93,7 +98,10 @@ def random_system(n, semi_axes, packing_fraction, seed=0, masses=1.0, inertia="s
     system = thermalized(System(positions, orientations, small, edge, masses=masses, inertia=inertia, species=species), rng)
     if start < packing_fraction:
         simulation = Simulation(system)
-        simulation.compress(RANDOM_RATE, until_packing_fraction=packing_fraction)
+        try:
+            simulation.compress(RANDOM_RATE, until_packing_fraction=packing_fraction)
+        except ValueError as problem:
+            raise ValueError(f"packing_fraction = {packing_fraction}: random bodies do not get there ({problem})") from None
         system = simulation.system
     return thermalized(System(system.positions, system.orientations, wanted * (1 - 1e-15), edge, masses=masses, inertia=inertia,
                               species=species), rng)
@@ -114,6 +122,17 @@ def thermalized(system, seed=0, temperature=1.0):
     system.velocities *= factor
     system.angular_velocities *= factor
     return system
+
+
+def _counts(name, value, what):
+    """Positive integers as a tuple."""
+    try:
+        counts = tuple(operator.index(count) for count in value)
+    except TypeError:
+        counts = ()
+    if not counts or min(counts) < 1:
+        raise ValueError(f"{name} = {value!r}: expected {what}")
+    return counts
 
 
 def _packing_fraction(value):

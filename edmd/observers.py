@@ -9,12 +9,13 @@ from ccd import checks
 class View:
     """A simulation at a moment: n, seed, time, collisions, packing_fraction, energy; `system` (a synchronised copy) with its `images`.
 
-    interval: the sums of the upkeep interval just done (`averages.Interval`, empty at the start and the end); means: its averages.
+    interval: the sums of the upkeep interval just done (`averages.Interval`, empty at the start and the end); means: its averages;
+    begun: the sums of the next interval so far.
     """
 
     def __init__(self, simulation, interval):
         self.n, self.time, self.collisions, self.seed = simulation.n, simulation.time, simulation.collisions, simulation.seed
-        self.packing_fraction, self.interval = simulation.packing_fraction, interval
+        self.packing_fraction, self.interval, self.begun = simulation.packing_fraction, interval, simulation.begun
         self._simulation = simulation
 
     @cached_property

@@ -51,6 +51,7 @@ def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, start_fraction=Non
     """
     semi_axes = checks.semi_axes("semi_axes", semi_axes)
     rate = checks.real_number("rate", rate, "a positive growth rate", above=0)
+    seed = checks.natural_number("seed", seed)
     melt = checks.real_number("melt", melt, "a number of collisions per particle, not negative", at_least=0)
     until_pressure = checked_pressure(until_pressure)
     contact_gap = min(WIDEST_GAP, CLOSED / until_pressure) if contact_gap is None else checks.real_number(

@@ -4,13 +4,14 @@ import json
 import os
 from math import inf, isinf, sqrt
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 
 from ccd import checks
 from ccd.quaternions import products, rotations, to_lab
 from edmd import building, epoch, state
-from edmd.averages import Interval
+from edmd.averages import Interval, Means
 from edmd.engine import advance_events
 from edmd.events import Ended
 from edmd.inertia import axis_directions, degrees_of_freedom, shape_turning, symmetry_axes
@@ -19,8 +20,8 @@ from edmd.ordering import spatial_order
 from edmd.state import EPOCH, GROWTH, NOW, SIZE
 from edmd.system import System
 from edmd.tolerances import OVERLAP
-from edmd.verify import verify_world
 
+GIVE_UP = 1e10              # reduced pressure at which a compression to a packing fraction ends in vain
 JAMMED = 1e12               # reduced pressure beyond which float64 cannot resolve the gaps
 
 
@@ -118,7 +119,7 @@ class Simulation:
     @property
     def means(self):
         """Averages over the most recent run() or compress(): see `averages.Means`."""
-        return self.means_over(self._done.plus(self._current()).minus(self._before))
+        return self.means_over(self._done.plus(self.begun).minus(self._before))
 
     @property
     def pressure(self):
@@ -133,6 +134,14 @@ class Simulation:
     def collision_rate(self):
         """Collisions per particle per time; each counts for both."""
         return self.means.collision_rate
+
+    @property
+    def begun(self):
+        """The sums since the last upkeep (`averages.Interval`)."""
+        clock, tally = self._world.clock, self._world.tally
+        energy_time = clock[state.ENERGY_TIME] + clock[state.ENERGY] * (clock[NOW] - clock[state.ENERGY_SINCE])
+        return Interval(float(clock[NOW]), int(tally[state.COLLISIONS] - tally[state.EPOCH_BEGAN]), float(clock[state.VIRIAL]),
+                        float(energy_time))
 
     def means_over(self, interval):
         """Averages over an `averages.Interval` of this simulation."""
@@ -187,17 +196,25 @@ class Simulation:
         self._begin(observers)
         self._act(epoch.set_growth, rate * self.size)
         try:
-            self._follow(until_time, inf, observers, self._to_unit_temperature, until_pressure or inf)
-            if until_packing_fraction is not None:
+            self._follow(until_time, inf, observers, self._to_unit_temperature, until_pressure or GIVE_UP)
+            jammed = not reached(self.time, until_time)
+            if until_packing_fraction is not None and not jammed:
                 self._meet_packing_fraction(goal)
         finally:
             self._act(epoch.set_growth, 0.0)
-            self._new_epoch(self._to_unit_temperature)
+            interval = self._new_epoch(self._to_unit_temperature)
+        if interval.collisions:
+            for observer in observers:
+                observer.upkeep(View(self, interval))
         self._finish(observers)
+        if until_packing_fraction is not None and jammed:
+            raise ValueError(f"until_packing_fraction = {goal}: the bodies jam at {self.packing_fraction:.6f}")
         return self
 
     def verify(self):
         """Check every invariant of the run: AssertionError says what is wrong."""
+        from edmd.verify import verify_world
+
         verify_world(self._world, self.system)
 
     def save(self, path):
@@ -208,7 +225,8 @@ class Simulation:
         arrays |= {f"system.{name}": getattr(like, name) for name in
                    ("positions", "orientations", "semi_axes", "box", "velocities", "angular_velocities", "masses", "species", "moments")}
         facts = {"inertia": like.inertia if isinstance(like.inertia, str) else "moments", "seed": self.seed,
-                 "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "format": 1}
+                 "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "last_means": self.last_means,
+                 "format": 1}
         partial = path.with_name(path.name + ".partial")
         with open(partial, "wb") as file:
             np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
@@ -230,14 +248,15 @@ class Simulation:
             simulation._spin, simulation._order, simulation.seed = arrays["spin"], arrays["order"], facts["seed"]
             simulation._grown_inertia = facts["grown_inertia"]
             simulation._done, simulation._before = Interval(*facts["done"]), Interval(*facts["before"])
-        except (OSError, ValueError, KeyError) as problem:
+            simulation.last_means = Means(*facts["last_means"])
+        except (OSError, EOFError, BadZipFile, ValueError, KeyError, TypeError) as problem:
             raise ValueError(f"path = {str(path)!r}: not a state written by Simulation.save ({problem})") from None
         return simulation
 
     # blocks of events
 
     def _begin(self, observers):
-        self._done, self._before = Interval(), self._current()
+        self._done, self._before = Interval(), self.begun
         view = View(self, Interval())
         for observer in observers:
             observer.when.start(view)
@@ -267,17 +286,10 @@ class Simulation:
 
     def _new_epoch(self, upkeep):
         """The upkeep that begins a new epoch; -> the sums of the one that ends."""
-        interval = self._current()
+        interval = self.begun
         self._done = self._done.plus(interval)
         upkeep()
         return interval
-
-    def _current(self):
-        """The sums of this epoch so far."""
-        clock, tally = self._world.clock, self._world.tally
-        energy_time = clock[state.ENERGY_TIME] + clock[state.ENERGY] * (clock[NOW] - clock[state.ENERGY_SINCE])
-        return Interval(float(clock[NOW]), int(tally[state.COLLISIONS] - tally[state.EPOCH_BEGAN]), float(clock[state.VIRIAL]),
-                        float(energy_time))
 
     def _block(self, until_time, until_collisions):
         relative = until_time - self._world.clock[EPOCH]

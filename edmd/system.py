@@ -8,6 +8,8 @@ from ccd import Ellipsoid, batch, checks
 from ccd.contacts import contact_functions
 from edmd.inertia import principal_moments
 
+PER_BODY = ("positions", "orientations", "semi_axes", "velocities", "angular_velocities", "masses", "moments", "species")
+
 
 class System:
     """Hard ellipsoids in a periodic cell. Reduced units: lengths, masses and energies free, time = length sqrt(mass / energy).
@@ -38,7 +40,7 @@ class System:
         self.velocities = still if velocities is None else checks.real_array("velocities", velocities, (n, 3), what)
         self.angular_velocities = (still.copy() if angular_velocities is None
                                    else checks.real_array("angular_velocities", angular_velocities, (n, 3), what))
-        self.masses = checks.real_array("masses", np.broadcast_to(masses, (n,)), (n,), f"one number or ({n},)")
+        self.masses = checks.real_array("masses", np.full(n, masses) if np.ndim(masses) == 0 else masses, (n,), f"one number or ({n},)")
         if not (self.masses > 0).all():
             raise ValueError(f"masses = {masses!r}: every mass must be positive")
         self.inertia = inertia
@@ -71,9 +73,11 @@ class System:
 
     def subset(self, indices):
         """The System of some of the bodies, in this order, in the same cell."""
-        inertia = self.inertia if isinstance(self.inertia, str) else self.moments[indices]
-        return System(self.positions[indices], self.orientations[indices], self.semi_axes[indices], self.box, self.velocities[indices],
-                      self.angular_velocities[indices], self.masses[indices], inertia, self.species[indices])
+        part = object.__new__(System)
+        for name in PER_BODY:
+            setattr(part, name, getattr(self, name)[indices])
+        part.box, part.inertia = self.box.copy(), self.inertia if isinstance(self.inertia, str) else part.moments
+        return part
 
     def contact_functions(self, gap=0.0):
         """The pairs whose bounding spheres touch when scaled by 1 + gap, and their contact functions; see `ccd.contacts`."""
@@ -105,10 +109,11 @@ def wrap(positions, box):
 
 def cell_vectors(box):
     """The cell vectors (3, 3) of a length, three edges, or rows; they must be right-handed and lower triangular."""
-    edges = np.asarray(box, dtype=float) if np.ndim(box) < 2 else None
-    if edges is not None:
-        box = np.diag(np.broadcast_to(edges, (3,))) if edges.shape in ((), (1,), (3,)) else box
-    box = checks.real_array("box", box, (3, 3), "a length, three edges (3,), or three cell vectors as rows (3, 3)")
+    what = "a length, three edges (3,), or three cell vectors as rows (3, 3)"
+    shape = () if np.size(box) == 1 else (3,) if np.ndim(box) == 1 else (3, 3)
+    box = checks.real_array("box", np.ravel(box)[0] if shape == () else box, shape, what)
+    if box.ndim < 2:
+        box = np.diag(np.full(3, box) if box.ndim == 0 else box)
     if np.triu(box, 1).any() or not (np.diag(box) > 0).all():
         raise ValueError(f"box = {box.tolist()}: expected positive edges and a lower triangular matrix (first vector along x, second in "
                          "the xy plane); edmd.from_ase brings any other cell into this form")

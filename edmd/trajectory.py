@@ -70,11 +70,11 @@ class Trajectory(Observer):
     def start(self, view):
         if self._file is None:
             self._create(view)
-        self._since = Interval()
+        self._since, self._begun = Interval(), view.begun
         self._frame(view)
 
     def upkeep(self, view):
-        self._since = self._since.plus(view.interval)
+        self._since, self._begun = self._since.plus(view.interval).minus(self._begun), Interval()
         means = view.means
         self._rows.append((view.time, view.collisions, view.packing_fraction, means.reduced_pressure, means.pressure, means.temperature,
                            means.collision_rate))
@@ -97,8 +97,8 @@ class Trajectory(Observer):
         frame = len(steps)
         if frame and steps[-1] == view.collisions and at[-1] == view.time:
             return
-        system, means = view.system, view.means_over(self._since)
-        self._since = Interval()
+        system, means = view.system, view.means_over(self._since.plus(view.begun).minus(self._begun))
+        self._since, self._begun = Interval(), view.begun
         values = {"position": system.positions, "image": view.images, "orientation": system.orientations, "velocity": system.velocities,
                   "angular_velocity": system.angular_velocities, "semi_axes": system.semi_axes}
         group = self._file["particles/trajectory"]
@@ -179,7 +179,10 @@ def open_run(path):
     if not path.exists():
         raise ValueError(f"path = {str(path)!r}: no such file")
     try:
-        file = h5py.File(path, "r", locking=False)
+        try:
+            file = h5py.File(path, "r")
+        except BlockingIOError:                 # it is being written
+            file = h5py.File(path, "r", locking=False)
     except OSError:
         raise ValueError(f"path = {str(path)!r}: not an HDF5 file, or a truncated one") from None
     try:

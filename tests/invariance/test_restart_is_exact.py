@@ -121,5 +121,5 @@ def test_what_is_no_state_is_refused_in_words(kind, tmp_path):
     path = tmp_path / "bad"
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(ValueError, match="path.*bad"):
+    with pytest.raises(ValueError, match=r"path.*bad"):
         edmd.Simulation.load(path)

@@ -95,7 +95,8 @@ def test_time_reversal(shape, n):
         assert end.angular_velocities == pytest.approx(-start.angular_velocities, abs=1e-7)
 
 
-@pytest.mark.parametrize("combination", [[[1, 0, 0], [1, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 1, 0], [-1, 1, 1]], [[1, 0, 0], [-1, 1, 0], [1, -1, 1]]])
+@pytest.mark.parametrize("combination", [[[1, 0, 0], [1, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 1, 0], [-1, 1, 1]],
+                                         [[1, 0, 0], [-1, 1, 0], [1, -1, 1]]])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_same_lattice_of_images_in_a_skewed_cell(shape, combination):
     """Cell vectors combined with integers of determinant 1 span the same images: the same collisions."""

@@ -116,7 +116,8 @@ def test_head_on_through_the_faces_of_the_cell():
 def test_grazing_spheres(below):
     """Impact parameter below and above the sum of the radii: a collision with next to no impulse, and none."""
     for factor, collisions in ((1 - below, 1), (1 + below, 0)):
-        system = edmd.System([[10, 10, 10], [20, 10 + factor, 10]], [[1, 0, 0, 0]] * 2, (0.5, 0.5, 0.5), 40.0, velocities=[[1, 0, 0], [-1.0, 0, 0]])
+        system = edmd.System([[10, 10, 10], [20, 10 + factor, 10]], [[1, 0, 0, 0]] * 2, (0.5, 0.5, 0.5), 40.0,
+                             velocities=[[1, 0, 0], [-1.0, 0, 0]])
         simulation = edmd.Simulation(system).run(time=8.0)
         assert simulation.collisions == collisions
         if collisions:

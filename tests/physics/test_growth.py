@@ -11,7 +11,7 @@ import edmd
 
 @pytest.mark.parametrize("shape", ["sphere", "prolate", "oblate", "triaxial"])
 def test_energy_gained_is_the_work_of_the_measured_pressure(shape):
-    """Within fewer collisions than an upkeep interval, so that nothing is rescaled on the way: energy by numpy, Z by the engine's virial."""
+    """In fewer collisions than an upkeep interval, so that nothing is rescaled on the way: energy by numpy, Z by the engine."""
     start = fluids.fluid(shape, 256, 0.40, seed=3)
     moments = independent.solid_moments(start.semi_axes, start.masses)
     simulation = edmd.Simulation(start)

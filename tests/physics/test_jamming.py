@@ -53,10 +53,16 @@ def test_spheres():
 
 
 @pytest.mark.validate
-@pytest.mark.parametrize(("semi_axes", "least", "most"), [((1.25, 1, 0.8), 0.70, 0.740), ((1.0, 1, 1.5), 0.68, 0.721),
-                                                         ((1.0, 1, 0.6), 0.68, 0.712)])
-def test_ellipsoids(semi_axes, least, most):
-    packing = edmd.pack(256, semi_axes, rate=1e-3, seed=1, until_pressure=1e8)
+@pytest.mark.parametrize(("semi_axes", "rate", "least", "most"), [
+    ((1.25, 1, 0.8), 1e-2, 0.715, 0.740),
+    ((1.25, 1, 0.8), 4e-3, 0.715, 0.740),
+    ((1.0, 1, 1.5), 1e-2, 0.68, 0.721),
+    ((1.0, 1, 1.5), 4e-3, 0.68, 0.721),
+    ((1.0, 1, 0.6), 2e-2, 0.68, 0.712),
+])
+def test_ellipsoids(semi_axes, rate, least, most):
+    """Within -0.02 / +0.005 of the literature, which is for finite rates: slower compression packs denser."""
+    packing = edmd.pack(256, semi_axes, rate=rate, seed=2, until_pressure=1e8)
     assert least <= packing.packing_fraction < most
     assert_no_overlap(packing.system)
     freedoms = 6 if len(set(semi_axes)) == 3 else 5
