@@ -52,7 +52,7 @@ def cache_folder(package):
     """
     if package not in PACKAGES:
         return None
-    digest = hashlib.sha256()
+    digest = hashlib.sha256(f"bounds checked: {numba.config.BOUNDSCHECK}".encode())
     for name, text in kernel_sources(package).items():
         digest.update(name.encode() + b"\0" + text)
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")

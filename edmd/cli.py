@@ -35,7 +35,9 @@ def _parser():
     pack = command("pack", _pack, "compress a fluid of ellipsoids until it jams, and write the whole course to a file")
     pack.add_argument("-n", type=int, default=256, help="number of bodies")
     pack.add_argument("--semi-axes", type=float, nargs=3, default=[1.25, 1.0, 0.8], metavar=("A", "B", "C"), help="semi-axes at the start")
-    pack.add_argument("--rate", type=float, default=1e-3, help="the semi-axes grow as 1 + rate t, at kT = 1 and mass 1")
+    pack.add_argument("--rate", type=float, default=1e-3, help="growth of the semi-axes, as 1 + rate t at kT = 1 and mass 1, from a "
+                      "reduced pressure of 100 on")
+    pack.add_argument("--fluid-rate", type=float, default=None, help="growth before that (default: 0.01, or the rate if that is faster)")
     pack.add_argument("--seed", type=int, default=0, help="seed of the thermal velocities")
     pack.add_argument("--until-pressure", type=float, default=1e8, help="reduced pressure P V / (n kT) that counts as jammed")
     pack.add_argument("--start-fraction", type=float, default=None, help="packing fraction of the crystal that melts (default: 0.3, or "
@@ -72,8 +74,8 @@ def _pack(options):
 
     check_output(options.output, options.overwrite)
     observers = [] if options.quiet else [Progress(options.until_pressure)]
-    packing = pack(options.n, options.semi_axes, options.rate, options.seed, options.until_pressure, options.start_fraction, options.melt,
-                   output=options.output, overwrite=options.overwrite, observers=observers)
+    packing = pack(options.n, options.semi_axes, options.rate, options.seed, options.until_pressure, options.fluid_rate,
+                   options.start_fraction, options.melt, output=options.output, overwrite=options.overwrite, observers=observers)
     for observer in observers:
         observer.close()
     if not options.quiet:

@@ -19,6 +19,7 @@ START_FRACTION = 0.3            # packing fraction of the crystal that melts, un
 ROOMY = 0.85                    # part of what the lattice holds at most, where that is less
 BODIES_PER_CELL = 4             # fcc
 LEAST_BODIES = 8
+FLUID_RATE, FLUID_PRESSURE = 1e-2, 100.0
 DENSEST = 0.75                  # packing fraction for which the cell must have room around every body
 CLOSED, WIDEST_GAP = 1000.0, 0.01
 
@@ -38,36 +39,43 @@ class Packing(NamedTuple):
     seconds: float
 
 
-def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, start_fraction=None, melt=100, contact_gap=None, output=None,
-         overwrite=False, observers=()):
+def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, fluid_rate=None, start_fraction=None, melt=100, contact_gap=None,
+         output=None, overwrite=False, observers=()):
     """Pack n equal ellipsoids: an fcc crystal built by ASE melts, and the fluid is compressed (Lubachevsky and Stillinger) until it jams.
 
-    semi_axes (3,); rate: the semi-axes grow as 1 + rate t from those of the crystal, at kT = 1 and mass 1; seed: of the thermal velocities,
-    and of the sites that stay empty when n is no number of a crystal; until_pressure: the reduced pressure at which the packing counts as
-    jammed; start_fraction: packing fraction of the crystal (default 0.3, or less for shapes that do not fit); melt: collisions per particle
-    before the compression; contact_gap: see Packing (default 1000 / until_pressure, where contacts have closed and near ones have not,
-    at most 0.01). output: an H5MD file with the whole course, refused when it exists unless overwrite.
-    The bodies end larger than they began: system.semi_axes tells. -> Packing. ValueError names what cannot be.
+    semi_axes (3,): at the start; the bodies end larger (system.semi_axes), in their proportions.
+    rate: growth of the semi-axes, as 1 + rate t at kT = 1 and mass 1, from a reduced pressure of 100 on.
+    seed: of the thermal velocities, and of the sites that stay empty when n is no number of a crystal.
+    until_pressure: the reduced pressure P V / (n kT) that counts as jammed.
+    fluid_rate: growth up to a reduced pressure of 100 (default 0.01, or rate if faster), so fast that spheres do not crystallise.
+    start_fraction: packing fraction of the crystal (default 0.3, or less for shapes that do not fit).
+    melt: collisions per particle before the compression.
+    contact_gap: see Packing (default 1000 / until_pressure, at most 0.01: contacts have closed to that, near ones have not).
+    output: an H5MD file for the whole course, refused when it exists unless overwrite is true.
+
+    -> Packing. ValueError names what cannot be.
     """
     semi_axes = checks.semi_axes("semi_axes", semi_axes)
     rate = checks.real_number("rate", rate, "a positive growth rate", above=0)
+    fluid_rate = max(rate, FLUID_RATE) if fluid_rate is None else checks.real_number("fluid_rate", fluid_rate, "a positive growth rate",
+                                                                                    above=0)
     seed = checks.natural_number("seed", seed)
     melt = checks.real_number("melt", melt, "a number of collisions per particle, not negative", at_least=0)
     until_pressure = checked_pressure(until_pressure)
     contact_gap = min(WIDEST_GAP, CLOSED / until_pressure) if contact_gap is None else checks.real_number(
         "contact_gap", contact_gap, "a positive number", above=0)
     start = _crystal(n, semi_axes, start_fraction, seed)
-    parameters = {"n": int(n), "semi_axes": semi_axes.tolist(), "rate": rate, "seed": seed, "until_pressure": until_pressure,
-                  "start_fraction": start.packing_fraction, "melt": melt}
+    parameters = {"n": int(n), "semi_axes": semi_axes.tolist(), "rate": rate, "fluid_rate": fluid_rate, "seed": seed,
+                  "until_pressure": until_pressure, "start_fraction": start.packing_fraction, "melt": melt}
     if output is not None:
         check_output(output, overwrite)
     simulation = Simulation(start, seed)
     began = time.process_time()
     if output is None:
-        _melt_and_compress(simulation, rate, until_pressure, melt, observers)
+        _melt_and_compress(simulation, (fluid_rate, rate), until_pressure, melt, observers)
     else:
         with Trajectory(output, Milestones(), parameters, overwrite) as trajectory:
-            _melt_and_compress(simulation, rate, until_pressure, melt, [*observers, trajectory])
+            _melt_and_compress(simulation, (fluid_rate, rate), until_pressure, melt, [*observers, trajectory])
     seconds = time.process_time() - began
     system = simulation.system
     pairs = contact_pairs(system.positions, system.orientations, system.semi_axes, system.box, contact_gap)
@@ -75,10 +83,12 @@ def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, start_fraction=Non
                    mean_contact_number(pairs, n), rattlers(pairs, n), simulation.nematic_order, simulation.collisions, seconds)
 
 
-def _melt_and_compress(simulation, rate, until_pressure, melt, observers):
+def _melt_and_compress(simulation, rates, until_pressure, melt, observers):
     if melt:
         simulation.run(collisions_per_particle=melt, observers=observers)
-    simulation.compress(rate, until_pressure=until_pressure, observers=observers)
+    simulation.compress(rates[0], until_pressure=min(FLUID_PRESSURE, until_pressure), observers=observers)
+    if until_pressure > FLUID_PRESSURE:
+        simulation.compress(rates[1], until_pressure=until_pressure, observers=observers)
 
 
 def _crystal(n, semi_axes, start_fraction, seed):

@@ -1,0 +1,33 @@
+"""The same run, compiled, as plain Python and with every index checked, gives the same bits."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+RUN = """
+import sys, numpy as np, edmd
+simulation = edmd.Simulation(edmd.lattice("fcc", eval(sys.argv[1]), 0.35, (2, 2, 2), seed=3))
+simulation.run(collisions=150)
+simulation.compress(0.05, until_packing_fraction=0.37)
+end = simulation.system
+np.save(sys.argv[2], np.hstack([end.positions, end.orientations, end.velocities, end.angular_velocities]))
+"""
+
+
+def final_state(axes, folder, **environment):
+    path = folder / f"{'-'.join(environment) or 'compiled'}.npy"
+    subprocess.run([sys.executable, "-c", RUN, repr(axes), str(path)], check=True, env=os.environ | environment)
+    return np.load(path)
+
+
+@pytest.mark.parametrize("axes", [(1, 1, 1), (1, 1, 1.5), (1, 1, 0.6), (1.25, 1, 0.8)])
+def test_plain_python(axes, tmp_path):
+    assert np.array_equal(final_state(axes, tmp_path), final_state(axes, tmp_path, NUMBA_DISABLE_JIT="1"))
+
+
+@pytest.mark.validate
+def test_every_index_is_inside_its_array(tmp_path):
+    assert np.array_equal(final_state((1.25, 1, 0.8), tmp_path), final_state((1.25, 1, 0.8), tmp_path, NUMBA_BOUNDSCHECK="1"))
