@@ -10,7 +10,7 @@ from math import asin, floor, inf, sqrt
 from ccd.compiling import kernel
 from ccd.separation import best_plane, normal, shape_matrix, support
 from ccd.tolerances import COARSE
-from ccd.vectors import dot, load, norm, store, subtract
+from ccd.vectors import dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced, fraction, image_of
 from edmd.events import Ended
 from edmd.flight import advance, load_quaternion, load_vectors
@@ -160,8 +160,8 @@ def grid_cell(grid, position):
 def _near(world, pair, known):
     """Whether the gap between two anchors is below the sum of their margins, as far as the best plane tells.
 
-    Cheap planes come first: of a known pair its last one, which settles the very near, of a new one the plane of two spheres, which
-    settles the far. The plane that decides is kept.
+    Cheap planes come first: of a known pair its last one, which settles the very near, of a new one those across the line of centres and of
+    two spheres, which settle the far. The plane that decides is kept.
     """
     link, plane = world.pairs.link[pair], world.pairs.plane[pair]
     a, b = world.anchors[link[BODY_A]], world.anchors[link[BODY_B]]
@@ -174,6 +174,8 @@ def _near(world, pair, known):
         if _plane_gap(n, r, s_a, s_b) < SURELY_NEAR * margins:
             return True
     else:
+        if _plane_gap(scale(1.0 / norm(r), r), r, s_a, s_b) >= margins:
+            return False
         plane[PENCIL] = a[ANCHOR_MARGIN] / margins
         n = normal(shape_matrix(s_a), shape_matrix(s_b), r, plane[PENCIL])
         if _plane_gap(n, r, s_a, s_b) >= margins:
@@ -208,18 +210,30 @@ def _search(world, body):
     reach = anchor[ANCHOR_RADIUS] + world.clock[REACH] * world.clock[REACH_SIZE]
     f = fraction(load(anchor, ANCHOR_POSITION), grid.inverse)
     left = reach * reach / grid.heights[3]
-    for ci in _layers(grid, 0, f[0], left):
-        shift_i = ci // grid.shape[0]
-        left_i = left - _beside(grid, 0, f[0], ci)
-        for cj in _layers(grid, 1, f[1], left_i):
-            shift_j = cj // grid.shape[1]
-            row = ((ci - shift_i * grid.shape[0]) * grid.shape[1] + cj - shift_j * grid.shape[1]) * grid.shape[2]
-            for ck in _layers(grid, 2, f[2], left_i - _beside(grid, 1, f[1], cj)):
-                shift_k = ck // grid.shape[2]
-                status = _search_cell(world, body, row + ck - shift_k * grid.shape[2], (shift_i, shift_j, shift_k))
+    for i in _layers(grid, 0, f[0], left):
+        ci, shift_i = _wrapped(i, grid.shape[0])
+        left_i = left - _beside(grid, 0, f[0], i)
+        for j in _layers(grid, 1, f[1], left_i):
+            cj, shift_j = _wrapped(j, grid.shape[1])
+            for k in _layers(grid, 2, f[2], left_i - _beside(grid, 1, f[1], j)):
+                ck, shift_k = _wrapped(k, grid.shape[2])
+                status = _search_cell(world, body, (ci * grid.shape[1] + cj) * grid.shape[2] + ck, (shift_i, shift_j, shift_k))
                 if status != DONE:
                     return status
     return DONE
+
+
+@kernel
+def _wrapped(layer, layers):
+    """The layer inside the box, and the image it belongs to. Additions: layers are few, and a division costs more."""
+    shift = 0
+    while layer < 0:
+        layer += layers
+        shift -= 1
+    while layer >= layers:
+        layer -= layers
+        shift += 1
+    return layer, shift
 
 
 @kernel
