@@ -22,13 +22,20 @@ def main(arguments=None):
         return INTERRUPTED
 
 
+class _Help(argparse.ArgumentDefaultsHelpFormatter):
+    """Shows defaults, but not those that the help itself explains."""
+
+    def _get_help_string(self, action):
+        return action.help if action.default in (None, False) else super()._get_help_string(action)
+
+
 def _parser():
     parser = argparse.ArgumentParser(prog="edmd", description="Event-driven dynamics and jammed packings of hard ellipsoids.")
     parser.add_argument("--version", action="version", version=f"edmd {edmd.__version__}")
     commands = parser.add_subparsers(title="commands", dest="name", required=True, metavar="COMMAND")
 
     def command(name, run, description):
-        added = commands.add_parser(name, help=description, description=description, formatter_class=argparse.ArgumentDefaultsHelpFormatter)
+        added = commands.add_parser(name, help=description, description=description, formatter_class=_Help)
         added.set_defaults(command=run)
         return added
 
