@@ -16,11 +16,12 @@ MARGIN = 1.03
 EDGE_SHADE = 0.02
 
 
-def render(source, output, frame=-1, colour="orientation", size=(900, 900), view=(0.42, -1.0, 0.36), cell=True):
+def render(source, output, frame=-1, colour="orientation", size=(900, 900), view=(0.42, -1.0, 0.36), cell=True, contact_gap=1e-5):
     """Draw one frame of a run into a PNG file.
 
     `source` is the path of an edmd file, or a Universe of one, whose current frame stays as it is; `frame` its number,
-    negative from the end. `colour`: "orientation", "species" or "contacts" (see analysis.colours). `size` is (width,
+    negative from the end. `colour`: "orientation", "species" or "contacts" (of a gap mu - 1
+    below `contact_gap`; see analysis.colours). `size` is (width,
     height) in pixels; `view` the direction from which one looks, in the lab, with z up; `cell` draws the edges of the
     periodic cell. Every body is drawn whole, its center inside the cell. Returns the path written. ValueError for any other
     colour, a frame that is not there, a size below one pixel or a view of length zero.
@@ -38,7 +39,7 @@ def render(source, output, frame=-1, colour="orientation", size=(900, 900), view
             raise ValueError(f"frame: {frame}; the run has {len(trajectory)}; negative counts from the end")
         data = trajectory[frame].data
         positions, orientations, semi_axes, box = (data[name] for name in ("position", "orientation", "semi_axes", "cell"))
-        paint = body_colours(colour, universe.atoms, data)
+        paint = body_colours(colour, universe.atoms, data, contact_gap)
         pixels = image((positions, orientations, semi_axes), paint, box if cell else None, size, view)
     finally:
         if opened:
@@ -49,12 +50,12 @@ def render(source, output, frame=-1, colour="orientation", size=(900, 900), view
     return os.fspath(output)
 
 
-def body_colours(colour, atoms, data):
+def body_colours(colour, atoms, data, contact_gap):
     """Linear RGB (n, 3) of the bodies of a frame."""
     if colour == "species":
         return colours.species_colours(atoms.types.astype(int))
     if colour == "contacts":
-        pairs = contact_pairs(data["position"], data["orientation"], data["semi_axes"], data["cell"])
+        pairs = contact_pairs(data["position"], data["orientation"], data["semi_axes"], data["cell"], contact_gap)
         return colours.contact_colours(contact_numbers(pairs, len(atoms)), rattlers(pairs, len(atoms)))
     return colours.orientation_colours(data["orientation"], data["semi_axes"])
 

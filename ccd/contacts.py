@@ -32,7 +32,7 @@ def contact_pairs(positions, orientations, semi_axes, cell, gap=1e-3):
     That factor is mu, the root of the Perram-Wertheim contact function (J. Comput. Phys. 58, 409 (1985)), and mu - 1 < gap is a contact;
     overlapping pairs count. Arguments as for `contact_functions`; gap is positive and has no unit.
     """
-    gap = checks.real_number("gap", gap, "a positive number, for instance 1e-3", above=0)
+    gap = checks.real_number("gap", gap, "a number between 0 and 1, for instance 1e-3", above=0, below=1)
     first, second, f = contact_functions(positions, orientations, semi_axes, cell, gap)
     touching = np.sqrt(f) - 1 < gap
     return np.column_stack([first[touching], second[touching]])

@@ -1,22 +1,29 @@
 """The command line. Everything heavy is imported by the command that needs it: `edmd --help` answers at once."""
 
 import argparse
+import os
 import sys
 import time
 
 import edmd
 
+PICTURES = (".png", ".jpg", ".tif", ".pdf")
 BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 
 
 def main(arguments=None):
     """Run a command; -> its exit status: 0 done, 1 a check failed, 2 bad input, 130 interrupted."""
     options = _parser().parse_args(arguments)
+    if options.command is not _pack:
+        os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")         # a file can be looked at while it is being written
     try:
         return options.command(options)
     except ValueError as problem:
         print(f"edmd {options.name}: {problem}", file=sys.stderr)
         return BAD_INPUT
+    except (OSError, RuntimeError) as problem:
+        print(f"edmd {options.name}: {problem}", file=sys.stderr)
+        return FAILED
     except KeyboardInterrupt:
         print(f"edmd {options.name}: interrupted; frames already written are kept", file=sys.stderr)
         return INTERRUPTED
@@ -44,7 +51,8 @@ def _parser():
     pack.add_argument("--semi-axes", type=float, nargs=3, default=[1.25, 1.0, 0.8], metavar=("A", "B", "C"), help="semi-axes at the start")
     pack.add_argument("--rate", type=float, default=1e-3, help="growth of the semi-axes, as 1 + rate t at kT = 1 and mass 1, from a "
                       "reduced pressure of 100 on")
-    pack.add_argument("--fluid-rate", type=float, default=None, help="growth before that (default: 0.01, or the rate if that is faster)")
+    pack.add_argument("--fluid-rate", type=float, default=None,
+                      help="growth before that (default: 0.01 / (abc)^(1/3), or the rate if that is faster)")
     pack.add_argument("--seed", type=int, default=0, help="seed of the thermal velocities")
     pack.add_argument("--until-pressure", type=float, default=1e8, help="reduced pressure P V / (n kT) that counts as jammed")
     pack.add_argument("--start-fraction", type=float, default=None, help="packing fraction of the crystal that melts (default: 0.3, or "
@@ -70,14 +78,15 @@ def _parser():
         drawing.set_defaults(suffix=suffix)
     render.add_argument("--frame", type=int, default=-1, help="frame to draw; negative counts from the end")
     render.add_argument("--colour", "--color", choices=["orientation", "species", "contacts"], default="orientation")
+    render.add_argument("--contact-gap", type=float, default=1e-5, help="relative gap below which two bodies are in contact")
     render.add_argument("--size", type=int, nargs=2, default=[900, 900], metavar=("WIDTH", "HEIGHT"), help="in pixels")
     return parser
 
 
 def _pack(options):
+    from edmd.outputs import check_output
     from edmd.packing import pack
     from edmd.progress import Progress
-    from edmd.trajectory import check_output
 
     check_output(options.output, options.overwrite)
     observers = [] if options.quiet else [Progress(options.until_pressure)]
@@ -103,7 +112,8 @@ def _info(options):
     _say({"written by": f"edmd {own['version']}, {own['created']}", "platform": own["platform"], "parameters": own["parameters"],
           "seed": own["seed"], "complete": bool(own["complete"]), "frames": summary["frames"], "bodies": summary["bodies"],
           "time": f"{summary['time']:.6g}", "collisions": summary["collisions"], "packing fraction": f"{summary['packing_fraction']:.9f}",
-          "reduced pressure": f"{summary['reduced_pressure']:.4g}", "contacts a body": f"{summary['contact_number']:.3f}",
+          "reduced pressure": f"{summary['reduced_pressure']:.4g} (since the frame before)",
+          "contacts a body": f"{summary['contact_number']:.3f}",
           "rattlers": summary["rattlers"], "nematic order": f"{summary['nematic_order']:.4f}"})
     return 0
 
@@ -129,14 +139,18 @@ def _plot(options):
 def _render(options):
     from analysis import render
 
-    return _draw(options, lambda output: render(options.file, output, options.frame, options.colour, tuple(options.size)))
+    return _draw(options, lambda output: render(options.file, output, options.frame, options.colour, tuple(options.size),
+                                                  contact_gap=options.contact_gap))
 
 
 def _draw(options, draw):
-    from edmd.trajectory import check_output, open_run
+    from edmd.outputs import check_output
+    from edmd.trajectory import open_run
 
     open_run(options.file).close()
     output = check_output(options.output or f"{options.file.removesuffix('.h5md')}.{options.suffix}.png", options.overwrite)
+    if output.suffix.lower() not in PICTURES:
+        raise ValueError(f"output = {str(output)!r}: expected a name that ends in {', '.join(PICTURES)}")
     draw(output)
     print(output)
     return 0

@@ -84,15 +84,17 @@ def active_turning(row):
 
 @kernel
 def kinetic_energy(world):
-    """Energy of all motions that collisions exchange. A body of revolution keeps the part of its turning along its axis in flight."""
-    energy = 0.0
+    """Energy of all motions that collisions exchange: not that of the common drift, nor of the spin of bodies of revolution."""
+    energy, mass, momentum = 0.0, 0.0, (0.0, 0.0, 0.0)
     for body in range(len(world.bodies)):
         row = world.bodies[body]
+        mass += 1 / row[INVERSE_MASS]
+        momentum = add_scaled(momentum, 1 / row[INVERSE_MASS], load(row, VELOCITY))
         energy += 0.5 * dot(load(row, VELOCITY), load(row, VELOCITY)) / row[INVERSE_MASS]
         if row[INVERSE_INERTIA] > 0:
             turning = active_turning(row)
             energy += 0.5 * dot(turning, turning) / row[INVERSE_INERTIA]
-    return energy
+    return max(energy - 0.5 * dot(momentum, momentum) / mass, 0.0)
 
 
 @kernel

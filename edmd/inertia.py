@@ -71,8 +71,10 @@ def degrees_of_freedom(system):
 
 
 def kinetic_energies(system):
-    """Translational energy, and rotational energy without the spin of bodies of revolution about their axes, which never changes."""
-    translation = 0.5 * (system.masses[:, None] * system.velocities**2).sum()
+    """Translational energy without the common drift, and rotational energy without the spin of bodies of revolution."""
+    masses = system.masses[:, None]
+    drift = (masses * system.velocities).sum(axis=0) / masses.sum()
+    translation = 0.5 * (masses * (system.velocities - drift)**2).sum()
     kinds = symmetry_axes(system.semi_axes)
     axis, u = axis_directions(system)
     along = (system.angular_velocities * u).sum(axis=1, keepdims=True) * u

@@ -13,7 +13,7 @@ from edmd.system import System
 
 LATTICES = ("fcc", "bcc", "sc", "hcp")
 SPARSE = 0.02           # packing fraction at which random bodies are first laid down
-RANDOM_RATE = 0.2       # growth rate from there to the wanted packing fraction
+RANDOM_RATE = 0.15      # speed at which surfaces grow from there to the wanted packing fraction, in thermal speeds
 ATTEMPTS = 10_000       # rounds of moving the bodies that overlap
 
 
@@ -28,6 +28,7 @@ def lattice(name, semi_axes, packing_fraction, cells=(5, 5, 5), seed=0, stretche
         raise ValueError(f"name = {name!r}: expected one of {', '.join(LATTICES)}; build any other crystal with ASE and edmd.from_ase")
     semi_axes = checks.semi_axes("semi_axes", semi_axes)
     packing_fraction = _packing_fraction(packing_fraction)
+    seed = checks.natural_number("seed", seed)
     counts = _counts("cells", cells, "three positive integers")
     if len(counts) != 3:
         raise ValueError(f"cells = {cells!r}: expected three positive integers")
@@ -85,7 +86,8 @@ def random_system(n, semi_axes, packing_fraction, seed=0, masses=1.0, inertia="s
     packing_fraction = _packing_fraction(packing_fraction)
     what = "three lengths, or one row of three a species"
     rows = np.atleast_2d(checks.semi_axes("semi_axes", semi_axes, (3,) if np.ndim(semi_axes) == 1 else (None, 3), what))
-    counts = _counts("n", np.atleast_1d(n), f"one positive whole number for each of the {len(rows)} rows of semi_axes")
+    seed = checks.natural_number("seed", seed)
+    counts = _counts("n", [n] if np.ndim(n) == 0 else n, f"one positive whole number for each of the {len(rows)} rows of semi_axes")
     if len(rows) != len(counts):
         raise ValueError(f"n = {n!r}: expected one positive whole number for each of the {len(rows)} rows of semi_axes")
     species = np.repeat(np.arange(len(counts)), counts)
@@ -99,11 +101,11 @@ def random_system(n, semi_axes, packing_fraction, seed=0, masses=1.0, inertia="s
     if start < packing_fraction:
         simulation = Simulation(system)
         try:
-            simulation.compress(RANDOM_RATE, until_packing_fraction=packing_fraction)
+            simulation.compress(RANDOM_RATE / small.max() / sqrt(system.masses.max()), until_packing_fraction=packing_fraction)
         except ValueError as problem:
             raise ValueError(f"packing_fraction = {packing_fraction}: random bodies do not get there ({problem})") from None
         system = simulation.system
-    return thermalized(System(system.positions, system.orientations, wanted * (1 - 1e-15), edge, masses=masses, inertia=inertia,
+    return thermalized(System(system.positions, system.orientations, wanted, edge, masses=masses, inertia=inertia,
                               species=species), rng)
 
 

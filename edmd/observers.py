@@ -1,7 +1,7 @@
 """What to see of a run, and when. Observers are handed a view, a synchronised copy: nothing they do changes the run."""
 
 from functools import cached_property
-from math import inf, ulp
+from math import ceil, inf, ulp
 
 from ccd import checks
 
@@ -48,7 +48,8 @@ def reached(now, goal):
 
 
 class Every:
-    """When: at every multiple of a time, of a number of collisions, or of collisions per particle, exactly. Give one of them."""
+    """When: at every multiple of a time, of a number of collisions, or of collisions per particle (2 collisions / n, rounded up to whole
+    ones), counted from the start of the run. Give one of them."""
 
     def __init__(self, time=None, collisions=None, collisions_per_particle=None):
         given = {"time": time, "collisions": collisions, "collisions_per_particle": collisions_per_particle}
@@ -57,10 +58,12 @@ class Every:
             raise ValueError(f"Every({', '.join(chosen) or 'nothing'}): expected exactly one of time, collisions, collisions_per_particle")
         (self.unit, value), = chosen.items()
         self.interval = checks.real_number(self.unit, value, "a positive number", above=0)
-        self._next = None
 
     def start(self, view):
-        self._next = self._now(view) + self._step(view)
+        self._start, self._times = self._now(view), 0
+        if self._start + self.interval == self._start:
+            raise ValueError(f"Every({self.unit}={self.interval}): too short to be told from no time at all")
+        self._set_next(view)
 
     def next_time(self):
         return self._next if self.unit == "time" else inf
@@ -73,16 +76,18 @@ class Every:
         if not reached(self._now(view), self._next):
             return False
         while reached(self._now(view), self._next):
-            self._next += self._step(view)
+            self._set_next(view)
         return True
+
+    def _set_next(self, view):
+        self._times += 1
+        if self.unit == "time":
+            self._next = self._start + self._times * self.interval
+        else:
+            self._next = self._start + ceil(self._times * self.interval * (view.n / 2 if self.unit == "collisions_per_particle" else 1))
 
     def _now(self, view):
         return view.time if self.unit == "time" else view.collisions
-
-    def _step(self, view):
-        if self.unit == "time":
-            return self.interval
-        return max(1, round(self.interval if self.unit == "collisions" else self.interval * view.n / 2))
 
 
 class Milestones:
@@ -116,12 +121,19 @@ class Observer:
     """Something that sees a run: subclass with `see(view)`, or give a function of the view. `when`: Every(...) or Milestones(...)."""
 
     def __init__(self, when, see=None):
+        if not hasattr(when, "due"):
+            raise ValueError(f"when = {when!r}: expected edmd.Every(...) or edmd.Milestones(...)")
         self.when = when
         if see is not None:
+            if not callable(see):
+                raise ValueError(f"see = {see!r}: expected a function of the view")
             self.see = see
 
     def start(self, view):
         """Called before the first event."""
+
+    def see(self, view):
+        """Called when `when` says."""
 
     def upkeep(self, view):
         """Called after every upkeep interval of a few collisions a body: for progress and logs."""

@@ -10,10 +10,11 @@ from ccd import checks
 from ccd.contacts import contact_numbers, contact_pairs, mean_contact_number, rattlers
 from edmd.initial import lattice, thermalized
 from edmd.observers import Milestones
-from edmd.simulation import Simulation, checked_pressure
+from edmd.outputs import check_output
+from edmd.simulation import Simulation, check_growth, checked_pressure
 from edmd.system import System
 from edmd.tolerances import MARGIN
-from edmd.trajectory import Trajectory, check_output
+from edmd.trajectory import Trajectory
 
 START_FRACTION = 0.3            # packing fraction of the crystal that melts, unless its lattice holds less
 ROOMY = 0.85                    # part of what the lattice holds at most, where that is less
@@ -47,7 +48,7 @@ def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, fluid_rate=None, s
     rate: growth of the semi-axes, as 1 + rate t at kT = 1 and mass 1, from a reduced pressure of 100 on.
     seed: of the thermal velocities, and of the sites that stay empty when n is no number of a crystal.
     until_pressure: the reduced pressure P V / (n kT) that counts as jammed.
-    fluid_rate: growth up to a reduced pressure of 100 (default 0.01, or rate if faster), so fast that spheres do not crystallise.
+    fluid_rate: growth up to a reduced pressure of 100 (default 0.01 / (abc)^(1/3), or rate if faster): spheres do not crystallise.
     start_fraction: packing fraction of the crystal (default 0.3, or less for shapes that do not fit).
     melt: collisions per particle before the compression.
     contact_gap: see Packing (default 1000 / until_pressure, at most 0.01: contacts have closed to that, near ones have not).
@@ -57,14 +58,18 @@ def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, fluid_rate=None, s
     """
     semi_axes = checks.semi_axes("semi_axes", semi_axes)
     rate = checks.real_number("rate", rate, "a positive growth rate", above=0)
-    fluid_rate = max(rate, FLUID_RATE) if fluid_rate is None else checks.real_number("fluid_rate", fluid_rate, "a positive growth rate",
-                                                                                    above=0)
+    if fluid_rate is None:
+        fluid_rate = max(rate, FLUID_RATE / np.cbrt(semi_axes.prod()))
+    fluid_rate = checks.real_number("fluid_rate", fluid_rate, "a positive growth rate", above=0)
     seed = checks.natural_number("seed", seed)
     melt = checks.real_number("melt", melt, "a number of collisions per particle, not negative", at_least=0)
     until_pressure = checked_pressure(until_pressure)
     contact_gap = min(WIDEST_GAP, CLOSED / until_pressure) if contact_gap is None else checks.real_number(
         "contact_gap", contact_gap, "a positive number", above=0)
     start = _crystal(n, semi_axes, start_fraction, seed)
+    longest = semi_axes.max() * np.cbrt(DENSEST / start.packing_fraction)
+    check_growth("rate", rate, longest)
+    check_growth("fluid_rate", fluid_rate, longest)
     parameters = {"n": int(n), "semi_axes": semi_axes.tolist(), "rate": rate, "fluid_rate": fluid_rate, "seed": seed,
                   "until_pressure": until_pressure, "start_fraction": start.packing_fraction, "melt": melt}
     if output is not None:
@@ -99,7 +104,10 @@ def _crystal(n, semi_axes, start_fraction, seed):
     cells = next(cells for cells in ((edge - 1, edge - 1, edge), (edge - 1, edge, edge), (edge, edge, edge))
                  if BODIES_PER_CELL * np.prod(cells) >= n)
     sites = BODIES_PER_CELL * int(np.prod(cells))
-    if start_fraction is None:
+    if start_fraction is not None:
+        start_fraction = checks.real_number("start_fraction", start_fraction, f"a number below {_most(semi_axes) * n / sites:.4f} for this "
+                                            "shape on an fcc lattice", above=0, below=_most(semi_axes) * n / sites)
+    else:
         start_fraction = min(START_FRACTION, ROOMY * _most(semi_axes) * n / sites)
     full = lattice("fcc", semi_axes, start_fraction * sites / n, cells, seed)
     stay = np.sort(np.random.default_rng(seed).permutation(sites)[:n])

@@ -3,7 +3,6 @@
 import json
 import os
 from math import inf, isinf, sqrt
-from pathlib import Path
 from zipfile import BadZipFile
 
 import numpy as np
@@ -17,10 +16,12 @@ from edmd.events import Ended
 from edmd.inertia import axis_directions, degrees_of_freedom, shape_turning, symmetry_axes
 from edmd.observers import View, reached
 from edmd.ordering import spatial_order
+from edmd.outputs import check_output
 from edmd.state import EPOCH, GROWTH, NOW, SIZE
 from edmd.system import System
 from edmd.tolerances import OVERLAP
 
+FASTEST = 2.0               # speed of a growing surface, in thermal speeds, beyond which compression has no physics
 GIVE_UP = 1e10              # reduced pressure at which a compression to a packing fraction ends in vain
 JAMMED = 1e12               # reduced pressure beyond which float64 cannot resolve the gaps
 
@@ -44,7 +45,7 @@ class Simulation:
             worst = f.argmin()
             raise ValueError(f"system: bodies {first[worst]} and {second[worst]} overlap (they touch when scaled by {sqrt(f[worst]):.6g}); "
                              "expected a start without overlap")
-        self.seed = seed
+        self.seed = checks.natural_number("seed", seed)
         self._system = system.copy()
         self._order = spatial_order(system.positions, system.box)          # of the bodies in the world
         self._world = building.build_world(system.subset(self._order))
@@ -112,6 +113,8 @@ class Simulation:
                         None, like.masses, like.inertia, like.species)
         system.angular_velocities = rows.turning + self._spin[:, None] * axis_directions(system)[1]
         system.moments = like.moments * self._grown_inertia
+        if not isinstance(like.inertia, str):
+            system.inertia = system.moments
         return system, images
 
     # what was seen over the most recent run or compression
@@ -156,12 +159,16 @@ class Simulation:
         if len(chosen) != 1:
             raise ValueError(f"run({', '.join(chosen)}): expected exactly one of {', '.join(given)}")
         length = checks.real_number(chosen[0], given[chosen[0]], "a positive number", above=0)
-        if time is None and self.n == 1:
-            raise ValueError(f"{chosen[0]} = {length}: a single body never collides; expected a time")
         until_time = self.time + length if time is not None else inf
         until_collisions = inf
         if time is None:
-            until_collisions = self.collisions + round(length if collisions is not None else length * self.n / 2)
+            if self.energy == 0:
+                raise ValueError(f"{chosen[0]} = {length}: the bodies are at rest and never collide; expected a time, or a start with "
+                                 "velocities (edmd.thermalized)")
+            wanted = round(length if collisions is not None else length * self.n / 2)
+            if wanted < 1:
+                raise ValueError(f"{chosen[0]} = {length}: less than one collision")
+            until_collisions = self.collisions + wanted
         self._begin(observers)
         self._follow(until_time, until_collisions, observers, lambda: epoch.start_epoch(self._world))
         self._finish(observers)
@@ -181,6 +188,7 @@ class Simulation:
             raise ValueError("expected exactly one of until_pressure and until_packing_fraction")
         if self.energy == 0:
             raise ValueError("the bodies are at rest: compression needs a temperature; see edmd.thermalized")
+        check_growth("rate", rate, self.size * self._system.semi_axes.max() * sqrt(self._system.masses.max()))
         until_time = inf
         if until_pressure is not None:
             until_pressure = checked_pressure(until_pressure)
@@ -219,7 +227,7 @@ class Simulation:
 
     def save(self, path):
         """Write the exact state to a file; `Simulation.load` goes on from it bit for bit."""
-        path = Path(path)
+        path = check_output(path, overwrite=True)
         arrays = {f"world.{name}": array for name, array in building.flattened(self._world)}
         like = self._system
         arrays |= {f"system.{name}": getattr(like, name) for name in
@@ -320,3 +328,10 @@ class Simulation:
 def checked_pressure(until_pressure):
     """A reduced pressure at which a compression can end; ValueError in words."""
     return checks.real_number("until_pressure", until_pressure, f"a reduced pressure above 1, below {JAMMED:g}", above=1, below=JAMMED)
+
+
+def check_growth(name, rate, longest):
+    """ValueError when the surfaces of bodies with this longest semi-axis (times the root of the mass) would outrun the bodies at kT = 1."""
+    if rate * longest > FASTEST:
+        raise ValueError(f"{name} = {rate}: surfaces would move {rate * longest:.3g} times as fast as the bodies at kT = 1; expected at most "
+                         f"{FASTEST / longest:.3g} for bodies of this size")

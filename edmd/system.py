@@ -130,10 +130,18 @@ def _labels(species, n):
 def _semi_axes(value, species):
     n = len(species)
     if np.ndim(value) == 1:
-        return np.tile(checks.semi_axes("semi_axes", value), (n, 1))
+        return np.tile(_made_equal(checks.semi_axes("semi_axes", value)[None]), (n, 1))
     rows = checks.semi_axes("semi_axes", value, (None, 3), f"three lengths, one row of three a species, or ({n}, 3)")
+    rows = _made_equal(rows)
     if len(rows) == n:
         return rows
     if len(rows) == species.max() + 1:
         return rows[species]
     raise ValueError(f"semi_axes has {len(rows)} rows: expected {n} (one a body) or {species.max() + 1} (one a species)")
+
+
+def _made_equal(rows):
+    """Semi-axes that agree but for rounding (1e-12) are made equal: whether a body is one of revolution is asked with ==."""
+    for one, other in ((0, 1), (1, 2), (0, 2)):
+        rows[:, other] = np.where(abs(rows[:, other] - rows[:, one]) <= 1e-12 * rows[:, one], rows[:, one], rows[:, other])
+    return rows

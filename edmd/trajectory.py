@@ -1,6 +1,5 @@
 """Trajectories in H5MD (docs/file_format.md): an observer that writes them, and the way back to a System."""
 
-import os
 import time
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import edmd
 from edmd.averages import Interval
 from edmd.inertia import temperature_of
 from edmd.observers import Every, Observer
+from edmd.outputs import check_output
 from edmd.provenance import provenance
 from edmd.system import System, wrap
 from edmd.tolerances import OVERLAP
@@ -19,24 +19,9 @@ FORMAT = 1
 FLUSH_SECONDS = 1.0
 LOG_CHUNK = 1024
 UNITS = {"position": "Angstrom", "velocity": "Angstrom ps-1"}      # MDAnalysis' base units: the numbers stay as they are
-VECTORS = ("velocity", "angular_velocity", "semi_axes")
+VECTORS = ("velocity", "angular_velocity", "semi_axes", "moments")
 SERIES = ("packing_fraction", "pressure", "reduced_pressure", "temperature", "energy", "collisions")
 LOG = ("time", "collisions", "packing_fraction", "reduced_pressure", "pressure", "temperature", "collision_rate")
-
-
-def check_output(path, overwrite=False):
-    """The path, when a file can be written there; ValueError in words when not."""
-    path = Path(path)
-    if path.is_dir():
-        raise ValueError(f"output = {str(path)!r}: is a folder; expected the name of a file")
-    if path.exists() and not overwrite:
-        raise ValueError(f"output = {str(path)!r}: exists already; choose another name or overwrite it")
-    folder = path.parent
-    if not folder.is_dir():
-        raise ValueError(f"output = {str(path)!r}: the folder {str(folder)!r} does not exist")
-    if not os.access(path if path.exists() else folder, os.W_OK):
-        raise ValueError(f"output = {str(path)!r}: cannot be written there")
-    return path
 
 
 class Trajectory(Observer):
@@ -51,8 +36,7 @@ class Trajectory(Observer):
         super().__init__(when if when is not None else Every(collisions_per_particle=100))
         self.path = check_output(path, overwrite)
         self._parameters = parameters or {}
-        self._file = None
-        self._since = Interval()
+        self._overwrite, self._file, self._closed = overwrite, None, False
 
     def __enter__(self):
         return self
@@ -61,6 +45,7 @@ class Trajectory(Observer):
         self.close(complete=kind is None)
 
     def close(self, complete=True):
+        self._closed = True
         if self._file is not None:
             self._write_log()
             self._file["edmd"].attrs["complete"] = complete
@@ -68,6 +53,8 @@ class Trajectory(Observer):
             self._file = None
 
     def start(self, view):
+        if self._closed:
+            raise ValueError(f"output = {str(self.path)!r}: this trajectory is closed; expected a new one for another file")
         if self._file is None:
             self._create(view)
         self._since, self._begun = Interval(), view.begun
@@ -100,7 +87,7 @@ class Trajectory(Observer):
         system, means = view.system, view.means_over(self._since.plus(view.begun).minus(self._begun))
         self._since, self._begun = Interval(), view.begun
         values = {"position": system.positions, "image": view.images, "orientation": system.orientations, "velocity": system.velocities,
-                  "angular_velocity": system.angular_velocities, "semi_axes": system.semi_axes}
+                  "angular_velocity": system.angular_velocities, "semi_axes": system.semi_axes, "moments": system.moments}
         group = self._file["particles/trajectory"]
         for name, value in values.items():
             _append(group[f"{name}/value"], frame, value)
@@ -114,7 +101,7 @@ class Trajectory(Observer):
 
     def _create(self, view):
         system, n = view.system, view.n
-        self._file = file = h5py.File(self.path, "w")
+        self._file = file = h5py.File(self.path, "w" if self._overwrite else "x")
         self._rows, self._flushed = [], time.monotonic()
         header = file.create_group("h5md")
         header.attrs["version"] = np.array([1, 1], dtype=np.int32)
@@ -199,23 +186,29 @@ def open_run(path):
 
 
 def read_system(path, frame=-1):
-    """The System of a frame, in full precision, with its velocities; orientation, semi-axes and cell are those of the frame.
+    """The System of a frame, in full precision, with its velocities, semi-axes, moments of inertia and cell.
 
     ValueError when the file is not ours or has no such frame.
     """
     with open_run(path) as file:
-        group = file["particles/trajectory"]
-        frames = len(group["position/step"])
+        frames = len(file["particles/trajectory/position/step"])
         if not -frames <= frame < frames:
             raise ValueError(f"frame = {frame}: expected one from {-frames} to {frames - 1}")
-        index = frame % frames
-        try:
-            value = {name: group[f"{name}/value"][index] for name in ("position", "orientation", *VECTORS)}
-            box = group["box/edges/value"][index]
-            return System(wrap(value["position"], box)[0], value["orientation"], value["semi_axes"], box, value["velocity"],
-                          value["angular_velocity"], group["mass"][:], species=group["species"][:])
-        except OSError as problem:
-            raise ValueError(f"path = {str(path)!r}: frame {frame} cannot be read, the file is truncated ({problem})") from None
+        return _frame_system(file, path, frame % frames)
+
+
+def _frame_system(file, path, frame):
+    group = file["particles/trajectory"]
+    try:
+        value = {name: group[f"{name}/value"][frame] for name in ("position", "orientation", *VECTORS)}
+        box = group["box/edges/value"][frame]
+        masses, species = group["mass"][:], group["species"][:]
+    except OSError as problem:
+        raise ValueError(f"path = {str(path)!r}: frame {frame} cannot be read, the file is truncated ({problem})") from None
+    if not np.isfinite(value["position"]).all():
+        raise ValueError(f"path = {str(path)!r}: frame {frame} has positions that are not finite")
+    return System(wrap(value["position"], box)[0], value["orientation"], value["semi_axes"], box, value["velocity"],
+                  value["angular_velocity"], masses, value["moments"], species)
 
 
 def verify_file(path):
@@ -227,7 +220,7 @@ def verify_file(path):
     with open_run(path) as file:
         frames = len(file["particles/trajectory/position/step"])
         for frame in range(frames):
-            system = read_system(path, frame)
+            system = _frame_system(file, path, frame)
             scale = system.smallest_scale()
             smallest = min(smallest, scale)
             if scale < 1 - OVERLAP:

@@ -47,8 +47,8 @@ def test_contacts_and_rattlers():
     ({"n": 0}, "n"), ({"n": 7}, "n"), ({"n": 32.5}, "n"), ({"n": "many"}, "n"), ({"semi_axes": (1, 1)}, "semi_axes"),
     ({"semi_axes": (1, 1, -1)}, "semi_axes"), ({"rate": 0}, "rate"), ({"rate": -1e-3}, "rate"), ({"rate": np.nan}, "rate"),
     ({"until_pressure": 0}, "until_pressure"), ({"until_pressure": np.inf}, "until_pressure"),
-    ({"start_fraction": 0.0}, "packing_fraction"),
-    ({"start_fraction": 0.99}, "packing_fraction"), ({"melt": -1}, "melt"), ({"contact_gap": 0}, "contact_gap"), ({"seed": -1}, "seed"),
+    ({"start_fraction": 0.0}, "start_fraction"), ({"rate": 10.0}, "rate"),
+    ({"start_fraction": 0.99}, "start_fraction"), ({"melt": -1}, "melt"), ({"contact_gap": 0}, "contact_gap"), ({"seed": -1}, "seed"),
     ({"seed": "random"}, "seed"), ({"n": 8, "semi_axes": (0.1, 0.1, 5)}, "(n|box)"),
 ])
 def test_bad_input_is_refused_by_name_before_anything_is_written(changes, names, tmp_path):
