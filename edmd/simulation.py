@@ -333,5 +333,5 @@ def checked_pressure(until_pressure):
 def check_growth(name, rate, longest):
     """ValueError when the surfaces of bodies with this longest semi-axis (times the root of the mass) would outrun the bodies at kT = 1."""
     if rate * longest > FASTEST:
-        raise ValueError(f"{name} = {rate}: surfaces would move {rate * longest:.3g} times as fast as the bodies at kT = 1; expected at most "
-                         f"{FASTEST / longest:.3g} for bodies of this size")
+        raise ValueError(f"{name} = {rate}: surfaces would move {rate * longest:.3g} times as fast as the bodies at kT = 1; expected at "
+                         f"most {FASTEST / longest:.3g} for bodies of this size")
