@@ -1,6 +1,7 @@
 """Whether a file can be written, before anything is computed."""
 
 import os
+import tempfile
 from pathlib import Path
 
 
@@ -14,6 +15,11 @@ def check_output(path, overwrite=False):
     folder = path.parent
     if not folder.is_dir():
         raise ValueError(f"output = {str(path)!r}: the folder {str(folder)!r} does not exist")
-    if not os.access(path if path.exists() else folder, os.W_OK):
+    try:            # permissions do not tell it all: a read-only disk, a folder of the system
+        with tempfile.TemporaryFile(dir=folder):
+            writable = not path.exists() or os.access(path, os.W_OK)
+    except OSError:
+        writable = False
+    if not writable:
         raise ValueError(f"output = {str(path)!r}: cannot be written there")
     return path

@@ -214,11 +214,10 @@ def test_places_that_cannot_be_written(tmp_path, name):
         edmd.Trajectory(tmp_path / name)
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
-def test_a_folder_without_permission(tmp_path):
-    tmp_path.chmod(0o500)
-    with pytest.raises(ValueError, match=r"^output.*cannot be written"):
-        edmd.Trajectory(tmp_path / "run.h5md")
+def test_a_folder_that_takes_no_file():
+    """Whoever asks, root too: the folder is tried, its permissions are not believed."""
+    with pytest.raises(ValueError, match=r"^output.*(cannot be written|does not exist)"):
+        edmd.Trajectory("/proc/run.h5md")
 
 
 def test_a_run_that_fails_is_not_complete(tmp_path):
