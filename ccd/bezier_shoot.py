@@ -12,7 +12,7 @@ from ccd.compiling import kernel
 from ccd.grid import coefficients, held
 from ccd.separation import contact_value, maximise
 from ccd.status import Status
-from ccd.tolerances import CONTACT_TIME_STEPS, EXACT, ROOT, ROUNDING, SHOOT_STEPS, TOUCHING_STATE
+from ccd.tolerances import CONCENTRIC, CONTACT_TIME_STEPS, EXACT, ROOT, ROUNDING, SHOOT_STEPS, TOUCHING_STATE
 
 CONTACT, NO_CONTACT, OVERLAPPING, UNRESOLVED = (int(Status.CONTACT), int(Status.NO_CONTACT), int(Status.OVERLAPPING),
                                                 int(Status.UNRESOLVED))
@@ -20,8 +20,14 @@ CONTACT, NO_CONTACT, OVERLAPPING, UNRESOLVED = (int(Status.CONTACT), int(Status.
 
 @kernel
 def best_certificate(grid, t, start):
-    """f - 1 at one time in [0, 1] (State is its sign), the u that attains it, converged. start: a guess of u."""
+    """f - 1 at one time in [0, 1] (State is its sign), the u that attains it, converged. start: a guess of u.
+
+    Where the centres nearly coincide f, which is concave, is below twice its value at u = 1/2: that is enough, and the best u is not defined.
+    """
     d, n = coefficients(grid, t)
+    at_half = contact_value(d, n, 0.5)
+    if at_half <= CONCENTRIC:
+        return at_half - 1, 0.5, True
     u, converged = maximise(d, n, start, EXACT)
     return contact_value(d, n, u) - 1, u, converged
 

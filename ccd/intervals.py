@@ -13,7 +13,7 @@ from ccd.bezier_shoot import best_certificate, bezier_shoot, contact_time, slope
 from ccd.compiling import kernel
 from ccd.grid import quartic
 from ccd.status import State
-from ccd.tolerances import CONTACT_TIME_STEPS, LOOP_ROUNDS, NARROW, ROOT, SIDE, TANGENT, TOUCHING_STATE
+from ccd.tolerances import CANDIDATES, CLIPS_WELL, CONTACT_TIME_STEPS, LOOP_ROUNDS, NARROW, ROOT, SIDE, TANGENT, TOUCHING_STATE
 
 SEPARATE, TOUCHING, OVERLAPPING, UNRESOLVED = int(State.SEPARATE), int(State.TOUCHING), int(State.OVERLAPPING), int(State.UNRESOLVED)
 CSI, COI, KNOWN = 0.0, 1.0, 2.0         # what waits on the stack; KNOWN: already confirmed to be separate
@@ -78,7 +78,7 @@ def has_no_loop(grid, start, end, level, work):
         t_low, t_high = _row_range(f, True)
         if u_high < 0 or t_high < 0 or _monotonic(f):
             return True
-        if u_high - u_low > 0.9 and t_high - t_low > 0.9:
+        if u_high - u_low > CLIPS_WELL and t_high - t_low > CLIPS_WELL:
             return False
         for i in range(5):
             restrict(f[i], t_low, t_high)
@@ -89,11 +89,11 @@ def has_no_loop(grid, start, end, level, work):
 
 @kernel
 def _is_touching(grid, start, end, u, work):
-    """Whether |f - 1| <= TOUCHING_STATE is proved for all of [start, end], by a u that is best somewhere in it."""
+    """Whether |f - 1| <= 2 TOUCHING_STATE is proved for all of [start, end], by the u that is best in its middle."""
     middle = 0.5 * (start + end)
-    return (bezier_shoot(grid, (u, 1 - TOUCHING_STATE, False), middle, end, work) >= end
-            and bezier_shoot(grid, (u, 1 - TOUCHING_STATE, False), middle, start, work) <= start
-            and has_no_loop(grid, start, end, 1 + TOUCHING_STATE, work))
+    return (bezier_shoot(grid, (u, 1 - 2 * TOUCHING_STATE, False), middle, end, work) >= end
+            and bezier_shoot(grid, (u, 1 - 2 * TOUCHING_STATE, False), middle, start, work) <= start
+            and has_no_loop(grid, start, end, 1 + 2 * TOUCHING_STATE, work))
 
 
 @kernel
@@ -147,11 +147,13 @@ def _initialise(grid, stack):
 def separation_intervals(grid, pieces, stack, work):
     """Fill in pieces (capacity, 3): start, end, State, in order of time over [0, 1]. -> how many. work: (7, degree + 1)."""
     top, count, u = _initialise(grid, stack), 0, 0.5
-    while top > 0:
+    for step in range(CANDIDATES + 1):
+        if top == 0:
+            break
         top -= 1
         start, end, kind = stack[top, 0], stack[top, 1], stack[top, 2]
         touching, touching_end = stack[top, 3] > 0, stack[top, 4] > 0
-        if count >= pieces.shape[0] - 4 or top >= stack.shape[0] - 5:
+        if step == CANDIDATES or count >= pieces.shape[0] - 4 or top >= stack.shape[0] - 5:
             return _emit(pieces, count, start, 1.0, UNRESOLVED)
         if kind == KNOWN:
             count = _emit(pieces, count, start, end, SEPARATE)
@@ -159,26 +161,28 @@ def separation_intervals(grid, pieces, stack, work):
         left, right = start, end
         if kind == CSI:
             _, u, _ = best_certificate(grid, start, u)
-            left = bezier_shoot(grid, (u, 1.0, touching), start, end, work)
+            left = bezier_shoot(grid, (u, 1 + TOUCHING_STATE, touching), start, end, work)
             if left < end:
                 _, u, _ = best_certificate(grid, end, u)
-                right = bezier_shoot(grid, (u, 1.0, touching_end), end, start, work)
+                right = bezier_shoot(grid, (u, 1 + TOUCHING_STATE, touching_end), end, start, work)
             if left >= right:
                 count = _emit(pieces, count, start, end, SEPARATE)
                 continue
             count = _emit(pieces, count, start, left, SEPARATE)
             top = _push(stack, top, right, end, KNOWN, (False, touching_end)) if right < end else top
-        elif has_no_loop(grid, start, end, 1.0, work):
+        elif has_no_loop(grid, start, end, 1 - TOUCHING_STATE, work):
             count = _emit(pieces, count, start, end, OVERLAPPING)
             continue
         middle = 0.5 * (left + right)
         excess, u, converged = best_certificate(grid, middle, u)
         state = state_of(excess)
         at_left, at_right = touching and left == start, touching_end and right == end
-        if not converged or right - left <= NARROW:
+        if state == 0 and (right - left <= NARROW or _is_touching(grid, left, right, u, work)):
+            beside_contact = (at_left or at_right) and right - left <= TANGENT      # the last bit of a regular contact's approach
+            state = TOUCHING if not beside_contact else SEPARATE if kind == CSI else OVERLAPPING
+            count = _emit(pieces, count, left, right, state)
+        elif not converged or right - left <= NARROW:
             count = _emit(pieces, count, left, right, UNRESOLVED)
-        elif state == 0 and _is_touching(grid, left, right, u, work):
-            count = _emit(pieces, count, left, right, (SEPARATE if kind == CSI else OVERLAPPING) if at_left or at_right else TOUCHING)
         elif state != 0 and (state < 0) == (kind == CSI):
             first, _ = contact_time(grid, left, middle, kind == COI, u)
             second, _ = contact_time(grid, middle, right, kind == CSI, u)
@@ -199,10 +203,10 @@ def _falls(grid, t, u, work):
 
 @kernel
 def tangent_instant(grid, start, end, work):
-    """When max F turns from falling to rising, or back, in a narrow TOUCHING piece: its instant of contact. nan when it does not turn."""
-    falls_first = _falls(grid, start, 0.5, work)
-    if end - start > TANGENT or falls_first == _falls(grid, end, 0.5, work):
+    """The instant of contact in a TOUCHING piece: when max F turns from falling to rising, or back. nan when the piece is not narrow."""
+    if end - start > TANGENT:
         return nan
+    falls_first = _falls(grid, start, 0.5, work)
     for _ in range(CONTACT_TIME_STEPS):
         middle = 0.5 * (start + end)
         if _falls(grid, middle, 0.5, work) == falls_first:

@@ -10,11 +10,13 @@ ROOT = 2e-16                # width, in units of the interval searched, at which
 CLIPS_WELL = 0.8            # part of an interval left by clipping above which it is halved instead: several roots are near (Nishita et al.)
 CLIPPING_STEPS = 400        # cap of Bézier clipping; a simple root takes 4 to 6
 VANISHING = 1e-13           # part of a polynomial's largest control point below which a denominator counts as zero
+CONCENTRIC = 1e-6           # f at u = 1/2 below which a deep overlap is not looked into further
 ROUNDING = 1e-15            # f - 1 at which a recursive Bézier shoot has arrived: the last places of f
 CONTACT_TIME_STEPS = 100    # cap of the false position for a contact instant; about 8 are used
 NARROW = 1e-14              # width, in units of the time span, at which an undecided interval is left UNRESOLVED
 SIDE = 1e-12                # first step, in units of the time span, beside an end where the bodies touch (the paper's epsilon, Remark 3)
-LOOP_ROUNDS = 6             # how often the sub-region of a loop test is cut down before the interval is halved instead
+LOOP_ROUNDS = 40            # cap of cutting down the sub-region of a loop test; it ends as soon as little comes off
+CANDIDATES = 4000           # cap of the candidate intervals looked at; Example 1 takes 10, what is left then is UNRESOLVED
 CONDITION = 300.0           # of a grid (its terms cancel to one part in so many) above which the span is halved: f then errs by some 1e-14
 HALVINGS = 12               # cap of that
 TANGENT = 1e-3              # width, in units of the time span, up to which a TOUCHING piece is one tangential contact
