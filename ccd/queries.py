@@ -11,9 +11,9 @@ from ccd.first_contact import free_flight_contact
 from ccd.motion import FreeFlight
 from ccd.quaternions import products, rotations
 from ccd.rotation import body_axes
-from ccd.separation import balance, best_plane, contact_point, contact_value, pencil, semi_axis_vectors, shape_matrix, support
+from ccd.separation import contact_function, contact_point, normal, relative_pose, semi_axis_vectors, shape_matrix, support
 from ccd.status import State, Status
-from ccd.tolerances import EXACT, TOUCHING_STATE
+from ccd.tolerances import SHARP, TOUCHING_STATE
 from ccd.vectors import dot, subtract
 
 
@@ -45,13 +45,13 @@ class Contact(NamedTuple):
 
 @kernel
 def _separation(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, orientation_b):
-    s_a, s_b = semi_axis_vectors(semi_axes_a, body_axes(orientation_a)), semi_axis_vectors(semi_axes_b, body_axes(orientation_b))
+    axes_a, axes_b = body_axes(orientation_a), body_axes(orientation_b)
+    s_a, s_b = semi_axis_vectors(semi_axes_a, axes_a), semi_axis_vectors(semi_axes_b, axes_b)
     r = subtract(center_b, center_a)
-    a, b = shape_matrix(s_a), shape_matrix(s_b)
-    n, x, converged = best_plane(s_a, s_b, r, balance(a, b), EXACT)
-    d, numerator = pencil(a, b, r)
+    f, x, converged = contact_function(*relative_pose(semi_axes_a, axes_a, semi_axes_b, axes_b, r), SHARP)
+    n = normal(shape_matrix(s_a), shape_matrix(s_b), r, x)
     gap = dot(n, r) - support(s_a, n) - support(s_b, n)
-    return converged, contact_value(d, numerator, x), gap, n, contact_point(center_a, s_a, r, s_b, n), x
+    return converged, f, gap, n, contact_point(center_a, s_a, r, s_b, n), x
 
 
 def separation(a, b):

@@ -1,0 +1,112 @@
+"""Arrays of pairs in blocks, one array for each number of a pair: the loops over a block become vector instructions.
+
+Users keep one row a body. A block of pairs is copied into columns that fit the first-level cache; what the vector loop leaves
+undecided is finished one by one. A body of n rows is (semi_axes (n, 3), center (n, 3), orientation (n, 4)).
+"""
+
+from math import nan
+
+import numba
+import numpy as np
+
+from ccd.characteristic import UNCERTAIN, aspect, magnitudes, margin, polynomial, state_by_contact_function, state_by_roots
+from ccd.compiling import kernel, parallel_kernel
+from ccd.rotation import body_axes, load_quaternion
+from ccd.separation import contact_value, maximise, newton_step, relative_balance, relative_pencil, relative_pose
+from ccd.tolerances import EXACT
+from ccd.vectors import load, subtract
+
+BLOCK = 128                 # pairs; their 20 columns take 20 kB
+VECTOR_STEPS = 4            # Newton steps that a whole block takes together: enough for most pairs
+
+
+@kernel
+def _fill(rows_a, rows_b, start, size, column):
+    """Copy pairs from `start` on: body A into column[0:10], body B into column[10:20]."""
+    _fill_body(rows_a, start, size, column, 0)
+    _fill_body(rows_b, start, size, column, 10)
+
+
+@kernel
+def _fill_body(rows, start, size, column, at):
+    semi_axes, center, orientation = rows
+    for k in range(size):
+        column[at, k], column[at + 1, k], column[at + 2, k] = load(semi_axes[start + k], 0)
+    for k in range(size):
+        column[at + 3, k], column[at + 4, k], column[at + 5, k] = load(center[start + k], 0)
+    for k in range(size):
+        q = load_quaternion(orientation[start + k], 0)
+        column[at + 6, k], column[at + 7, k], column[at + 8, k], column[at + 9, k] = q
+
+
+@kernel
+def _relative_pose(column, k):
+    axes_a = body_axes((column[6, k], column[7, k], column[8, k], column[9, k]))
+    axes_b = body_axes((column[16, k], column[17, k], column[18, k], column[19, k]))
+    r = subtract((column[13, k], column[14, k], column[15, k]), (column[3, k], column[4, k], column[5, k]))
+    return relative_pose((column[0, k], column[1, k], column[2, k]), axes_a, (column[10, k], column[11, k], column[12, k]), axes_b, r)
+
+
+@kernel
+def _state_by_roots(column, k):
+    g, t = _relative_pose(column, k)
+    semi_axes_b = (column[10, k], column[11, k], column[12, k])
+    det = column[0, k] * column[1, k] * column[2, k] / (semi_axes_b[0] * semi_axes_b[1] * semi_axes_b[2])
+    return state_by_roots(polynomial(g, t, det), magnitudes(g, t), margin(aspect(semi_axes_b)))
+
+
+@parallel_kernel
+def states(rows_a, rows_b, state):
+    """State of each pair into `state` (n,) int8."""
+    n = len(state)
+    for block in numba.prange((n + BLOCK - 1) // BLOCK):
+        start = block * BLOCK
+        size = min(BLOCK, n - start)
+        column = np.empty((20, BLOCK))
+        found = np.empty(BLOCK, dtype=np.int8)
+        _fill(rows_a, rows_b, start, size, column)
+        for k in range(size):
+            found[k] = _state_by_roots(column, k)
+        for k in range(size):
+            if found[k] == UNCERTAIN:
+                g, t = _relative_pose(column, k)
+                found[k] = state_by_contact_function(g, t)
+            state[start + k] = found[k]
+
+
+@parallel_kernel
+def contact_functions(rows_a, rows_b, f):
+    """The contact function of each pair into f (n,); nan where float64 cannot hold the pencil parameter."""
+    n = len(f)
+    for block in numba.prange((n + BLOCK - 1) // BLOCK):
+        start = block * BLOCK
+        size = min(BLOCK, n - start)
+        column = np.empty((20, BLOCK))
+        _fill(rows_a, rows_b, start, size, column)
+        for k in range(size):
+            g, t = _relative_pose(column, k)
+            d, numerator = relative_pencil(g, t)
+            column[0, k], column[1, k], column[2, k], column[3, k] = d
+            column[4, k], column[5, k], column[6, k] = numerator
+            column[7, k] = relative_balance(d)
+            column[8, k], column[9, k] = 0.0, 1.0
+        for _ in range(VECTOR_STEPS):
+            for k in range(size):
+                d = (column[0, k], column[1, k], column[2, k], column[3, k])
+                numerator = (column[4, k], column[5, k], column[6, k])
+                x = column[7, k]
+                low, high, step = newton_step(d, numerator, column[8, k], column[9, k], x)
+                column[8, k], column[9, k] = low, high
+                column[7, k] = x + step
+                column[10, k] = abs(step)
+        for k in range(size):
+            d = (column[0, k], column[1, k], column[2, k], column[3, k])
+            numerator = (column[4, k], column[5, k], column[6, k])
+            x = column[7, k]
+            if column[10, k] <= EXACT * min(x, 1 - x):
+                f[start + k] = contact_value(d, numerator, x)
+            elif numerator[2] == 0:
+                f[start + k] = 0.0
+            else:
+                x, converged = maximise(d, numerator, x, EXACT)
+                f[start + k] = contact_value(d, numerator, x) if converged else nan
