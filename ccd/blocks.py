@@ -1,7 +1,7 @@
 """Arrays of pairs in blocks, one array for each number of a pair: the loops over a block become vector instructions.
 
-Users keep one row a body. A block of pairs is copied into columns that fit the first-level cache; what the vector loop leaves
-undecided is finished one by one. A body of n rows is (semi_axes (n, 3), center (n, 3), orientation (n, 4)).
+Users keep one row a body: rows_a and rows_b are (semi_axes (n, 3), center (n, 3), orientation (n, 4)). A block of pairs is copied into
+columns that fit the first-level cache. Pairs that the roots leave undecided are moved together and take the longer road as a block.
 """
 
 from math import nan
@@ -12,12 +12,11 @@ import numpy as np
 from ccd.characteristic import UNCERTAIN, aspect, magnitudes, margin, polynomial, state_by_contact_function, state_by_roots
 from ccd.compiling import kernel, parallel_kernel
 from ccd.rotation import body_axes, load_quaternion
-from ccd.separation import contact_value, maximise, newton_step, relative_balance, relative_pencil, relative_pose
-from ccd.tolerances import EXACT
+from ccd.separation import contact_value, newton_step, relative_balance, relative_pencil, relative_pose
+from ccd.tolerances import EXACT, PENCIL_STEPS, SHARP
 from ccd.vectors import load, subtract
 
-BLOCK = 128                 # pairs; their 20 columns take 20 kB
-VECTOR_STEPS = 4            # Newton steps that a whole block takes together: enough for most pairs
+BLOCK = 64                  # pairs; their 20 columns take 10 kB
 
 
 @kernel
@@ -55,23 +54,59 @@ def _state_by_roots(column, k):
     return state_by_roots(polynomial(g, t, det), magnitudes(g, t), margin(aspect(semi_axes_b)))
 
 
+@kernel
+def _contact_functions(column, size, precision, f):
+    """f of the pairs in `column`, which is written over. Step for step what `separation.contact_function` does: the same bits."""
+    for k in range(size):
+        g, t = _relative_pose(column, k)
+        d, n = relative_pencil(g, t)
+        column[0, k], column[1, k], column[2, k], column[3, k] = d
+        column[4, k], column[5, k], column[6, k] = n
+        column[7, k], column[8, k], column[9, k] = relative_balance(d), 0.0, 1.0
+        column[10, k] = 1.0 if n[2] == 0 else 0.0                   # done: concentric
+    for _ in range(PENCIL_STEPS):
+        done = 0.0
+        for k in range(size):
+            x, finished = column[7, k], column[10, k] > 0
+            low, high, step = newton_step((column[0, k], column[1, k], column[2, k], column[3, k]),
+                                          (column[4, k], column[5, k], column[6, k]), column[8, k], column[9, k], x)
+            x = x if finished else x + step
+            column[7, k], column[8, k], column[9, k] = x, low, high
+            column[10, k] = 1.0 if finished | (abs(step) <= precision * min(x, 1 - x)) else 0.0
+        for k in range(size):
+            done += column[10, k]
+        if done == size:
+            break
+    for k in range(size):
+        value = contact_value((column[0, k], column[1, k], column[2, k], column[3, k]),
+                              (column[4, k], column[5, k], column[6, k]), column[7, k])
+        f[k] = value if column[10, k] > 0 else nan
+
+
 @parallel_kernel
 def states(rows_a, rows_b, state):
-    """State of each pair into `state` (n,) int8."""
+    """State of each pair into `state` (n,) int8; UNCERTAIN where float64 cannot hold the pencil parameter."""
     n = len(state)
     for block in numba.prange((n + BLOCK - 1) // BLOCK):
         start = block * BLOCK
         size = min(BLOCK, n - start)
-        column = np.empty((20, BLOCK))
-        found = np.empty(BLOCK, dtype=np.int8)
+        column, f = np.empty((20, BLOCK)), np.empty(BLOCK)
+        found, left = np.empty(BLOCK, dtype=np.int8), np.empty(BLOCK, dtype=np.int64)
         _fill(rows_a, rows_b, start, size, column)
         for k in range(size):
             found[k] = _state_by_roots(column, k)
+        uncertain = 0
         for k in range(size):
-            if found[k] == UNCERTAIN:
-                g, t = _relative_pose(column, k)
-                found[k] = state_by_contact_function(g, t)
             state[start + k] = found[k]
+            if found[k] == UNCERTAIN:
+                left[uncertain] = k
+                for i in range(20):
+                    column[i, uncertain] = column[i, k]
+                uncertain += 1
+        if uncertain > 0:
+            _contact_functions(column, uncertain, SHARP, f)
+            for m in range(uncertain):
+                state[start + left[m]] = state_by_contact_function(f[m])
 
 
 @parallel_kernel
@@ -83,30 +118,4 @@ def contact_functions(rows_a, rows_b, f):
         size = min(BLOCK, n - start)
         column = np.empty((20, BLOCK))
         _fill(rows_a, rows_b, start, size, column)
-        for k in range(size):
-            g, t = _relative_pose(column, k)
-            d, numerator = relative_pencil(g, t)
-            column[0, k], column[1, k], column[2, k], column[3, k] = d
-            column[4, k], column[5, k], column[6, k] = numerator
-            column[7, k] = relative_balance(d)
-            column[8, k], column[9, k] = 0.0, 1.0
-        for _ in range(VECTOR_STEPS):
-            for k in range(size):
-                d = (column[0, k], column[1, k], column[2, k], column[3, k])
-                numerator = (column[4, k], column[5, k], column[6, k])
-                x = column[7, k]
-                low, high, step = newton_step(d, numerator, column[8, k], column[9, k], x)
-                column[8, k], column[9, k] = low, high
-                column[7, k] = x + step
-                column[10, k] = abs(step)
-        for k in range(size):
-            d = (column[0, k], column[1, k], column[2, k], column[3, k])
-            numerator = (column[4, k], column[5, k], column[6, k])
-            x = column[7, k]
-            if column[10, k] <= EXACT * min(x, 1 - x):
-                f[start + k] = contact_value(d, numerator, x)
-            elif numerator[2] == 0:
-                f[start + k] = 0.0
-            else:
-                x, converged = maximise(d, numerator, x, EXACT)
-                f[start + k] = contact_value(d, numerator, x) if converged else nan
+        _contact_functions(column, size, EXACT, f[start:start + size])

@@ -65,21 +65,17 @@ def state_by_roots(coefficients, sizes, precision):
     error_i = 2 * precision * (e + 4 * big_b * big_d + 3 * big_c * big_c)
     error_j = 3 * precision * (big_c * e + 2 * big_b * big_c * big_d + big_d * big_d + big_b * big_b * e + big_c * big_c * big_c)
     error = 3 * (abs(i) + error_i)**2 * error_i + 27 * (2 * abs(j) + error_j) * error_j + UNDERFLOW
-    error_b, error_c, error_d = precision * big_b, precision * big_c, precision * big_d
-    alternating = (b < -error_b) & (c > error_c) & (d < -error_d)
-    not_alternating = (b > error_b) | (c < -error_c) | (d > error_d)
-    overlapping = alternating | (discriminant < -error)
-    separate = not_alternating & (discriminant > error)
-    return OVERLAPPING if overlapping else SEPARATE if separate else UNCERTAIN
+    alternating = (b < 0) & (c > 0) & (d < 0)
+    surely_alternating = (b < -precision * big_b) & (c > precision * big_c) & (d < -precision * big_d)
+    certain = surely_alternating | (abs(discriminant) > error)
+    separate = (discriminant > 0) & (not alternating)
+    return UNCERTAIN if not certain else SEPARATE if separate else OVERLAPPING
 
 
 @kernel
-def state_by_contact_function(g, t):
-    """State by the sign of f - 1, or UNCERTAIN where float64 cannot hold the pencil parameter."""
-    f, _, converged = contact_function(g, t, SHARP)
-    if not converged:
-        return UNCERTAIN
-    return TOUCHING if abs(f - 1) <= TOUCHING_STATE else SEPARATE if f > 1 else OVERLAPPING
+def state_by_contact_function(f):
+    """State by the sign of f - 1; UNCERTAIN for nan."""
+    return TOUCHING if abs(f - 1) <= TOUCHING_STATE else SEPARATE if f > 1 else OVERLAPPING if f < 1 else UNCERTAIN
 
 
 @kernel
@@ -98,4 +94,7 @@ def aspect(semi_axes):
 def decided_state(g, t, det, aspect):
     """State by the roots where they are certain, else by the contact function."""
     found = state_by_roots(polynomial(g, t, det), magnitudes(g, t), margin(aspect))
-    return state_by_contact_function(g, t) if found == UNCERTAIN else found
+    if found != UNCERTAIN:
+        return found
+    f, _, converged = contact_function(g, t, SHARP)
+    return state_by_contact_function(f) if converged else UNCERTAIN
