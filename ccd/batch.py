@@ -63,7 +63,7 @@ def state(bodies_a, bodies_b):
 def contact_function(bodies_a, bodies_b):
     """The contact function f (n,) of the pairs (a[k], b[k]), eq. (1): > 1 apart, 1 touching, < 1 overlapping. Motion is ignored.
 
-    nan where float64 cannot hold the pencil parameter (sizes some 1e10 apart).
+    nan where float64 cannot hold the pencil parameter (sizes some 1e20 apart).
     """
     _check_lengths(bodies_a, bodies_b)
     f = np.empty(len(bodies_a))

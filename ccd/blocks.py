@@ -12,7 +12,7 @@ import numpy as np
 from ccd.characteristic import UNCERTAIN, aspect, magnitudes, margin, polynomial, state_by_contact_function, state_by_roots
 from ccd.compiling import kernel, parallel_kernel
 from ccd.rotation import body_axes, load_quaternion
-from ccd.separation import contact_value, newton_step, relative_balance, relative_pencil, relative_pose
+from ccd.separation import contact_value, nearer_end, newton_step, relative_pencil, relative_pose
 from ccd.tolerances import EXACT, PENCIL_STEPS, SHARP
 from ccd.vectors import load, subtract
 
@@ -60,10 +60,12 @@ def _contact_functions(column, size, precision, f):
     for k in range(size):
         g, t = _relative_pose(column, k)
         d, n = relative_pencil(g, t)
+        concentric = n[2] == 0
+        d, n, start, _ = nearer_end(d, n)
         column[0, k], column[1, k], column[2, k], column[3, k] = d
         column[4, k], column[5, k], column[6, k] = n
-        column[7, k], column[8, k], column[9, k] = relative_balance(d), 0.0, 1.0
-        column[10, k] = 1.0 if n[2] == 0 else 0.0                   # done: concentric
+        column[7, k], column[8, k], column[9, k] = start, 0.0, 1.0
+        column[10, k] = 1.0 if concentric else 0.0                  # done
     for _ in range(PENCIL_STEPS):
         done = 0.0
         for k in range(size):

@@ -67,7 +67,7 @@ def state_by_roots(coefficients, sizes, precision):
     error = 3 * (abs(i) + error_i)**2 * error_i + 27 * (2 * abs(j) + error_j) * error_j + UNDERFLOW
     alternating = (b < 0) & (c > 0) & (d < 0)
     surely_alternating = (b < -precision * big_b) & (c > precision * big_c) & (d < -precision * big_d)
-    certain = surely_alternating | (abs(discriminant) > error)
+    certain = surely_alternating | ((abs(discriminant) > error) & (abs(discriminant) < 1 / UNDERFLOW))
     separate = (discriminant > 0) & (not alternating)
     return UNCERTAIN if not certain else SEPARATE if separate else OVERLAPPING
 

@@ -17,7 +17,7 @@ def state(a, b):
 
     a, b: Ellipsoid or AffineEllipsoid. TOUCHING: the contact function (1) is within 1e-12 of 1, as `separation` has it; within that band,
     and wherever rounding might change the signs of the roots, the contact function itself decides. ArithmeticError where float64 cannot
-    hold its pencil parameter (sizes some 1e10 apart).
+    hold its pencil parameter (sizes some 1e20 apart).
     """
     _check_bodies(a, b)
     if isinstance(a, Ellipsoid) and isinstance(b, Ellipsoid):
@@ -49,14 +49,14 @@ def contact_point(a, b):
     """
     _check_bodies(a, b)
     g, t, _ = _pose(a, b)
-    f, x, converged = contact_function(g, t, SHARP)
+    f, odds, converged = contact_function(g, t, SHARP)
     if not converged:
         raise _not_maximised(a, b)
     if not abs(f - 1) <= TOUCHING_POINT:
         raise ValueError(f"a and b do not touch: their contact function is {f!r}, expected 1 to within {TOUCHING_POINT}")
-    # lambda_0 = -x / (1 - x). Where A is the unit sphere the null vector is (p, 1) with (g^T g - lambda_0) p = g^T t, eq. (19): the normal
+    # lambda_0 = -odds. Where A is the unit sphere the null vector is (p, 1) with (g^T g - lambda_0) p = g^T t, eq. (19): the normal
     # equations of a least-squares problem, which is better solved as one.
-    p = np.linalg.lstsq(np.vstack([np.transpose(g), np.sqrt(x / (1 - x)) * np.eye(3)]), np.append(t, np.zeros(3)))[0]
+    p = np.linalg.lstsq(np.vstack([np.transpose(g), np.sqrt(odds) * np.eye(3)]), np.append(t, np.zeros(3)))[0]
     return a.center + a.semi_axis_vectors @ p
 
 

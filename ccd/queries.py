@@ -48,17 +48,18 @@ def _separation(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, ori
     axes_a, axes_b = body_axes(orientation_a), body_axes(orientation_b)
     s_a, s_b = semi_axis_vectors(semi_axes_a, axes_a), semi_axis_vectors(semi_axes_b, axes_b)
     r = subtract(center_b, center_a)
-    f, x, converged = contact_function(*relative_pose(semi_axes_a, axes_a, semi_axes_b, axes_b, r), SHARP)
-    n = normal(shape_matrix(s_a), shape_matrix(s_b), r, x)
+    f, odds, converged = contact_function(*relative_pose(semi_axes_a, axes_a, semi_axes_b, axes_b, r), SHARP)
+    a, b = shape_matrix(s_a), shape_matrix(s_b)
+    n = normal(a, b, r, odds / (1 + odds)) if odds < 1 else normal(b, a, r, 1 / (1 + odds))         # the smaller weight, to its last digit
     gap = dot(n, r) - support(s_a, n) - support(s_b, n)
-    return converged, f, gap, n, contact_point(center_a, s_a, r, s_b, n), x
+    return converged, f, gap, n, contact_point(center_a, s_a, r, s_b, n), odds / (1 + odds)
 
 
 def separation(a, b):
     """State, contact function, gap, normal and contact point of two ellipsoids at rest (Perram and Wertheim; eqs. (1) to (4)).
 
     Concentric ellipsoids have no normal: contact function 0, gap minus infinity, normal and point nan. ArithmeticError where float64
-    cannot hold the pencil parameter (sizes some 1e10 apart).
+    cannot hold the pencil parameter (sizes some 1e20 apart).
     """
     _check_ellipsoids(a, b)
     if np.array_equal(a.center, b.center):

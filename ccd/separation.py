@@ -165,20 +165,25 @@ def relative_pencil(g, t):
 
 
 @kernel
-def contact_function(g, t, precision):
-    """The maximum of (1) for a `relative_pose`. -> f, its pencil parameter, converged. 0 for concentric bodies."""
-    d, n = relative_pencil(g, t)
-    if n[2] == 0:
-        return 0.0, 0.5, True
-    x, converged = maximise(d, n, relative_balance(d), precision)
-    return contact_value(d, n, x), x, converged
+def nearer_end(d, n):
+    """A `relative_pencil` whose lambda is counted from the end where its maximiser is, and where to start. -> d, n, start, turned.
+
+    Bodies of very different sizes have theirs close to an end: near 0 floats are dense enough, near 1 they are not.
+    """
+    size = sqrt(d[2])                                           # of A in units of B
+    turned = size > 1
+    return ((d[3], d[2], d[1], d[0]) if turned else d, (n[2], n[1], n[0]) if turned else n, min(size, 1.0) / (size + 1), turned)
 
 
 @kernel
-def relative_balance(d):
-    """`balance` from the coefficients of a `relative_pencil`."""
-    size = sqrt(d[2])
-    return size / (size + 1)
+def contact_function(g, t, precision):
+    """The maximum of (1) for a `relative_pose`. -> f, its lambda / (1 - lambda), converged. f is 0 for concentric bodies."""
+    d, n = relative_pencil(g, t)
+    if n[2] == 0:
+        return 0.0, 1.0, True
+    d, n, start, turned = nearer_end(d, n)
+    x, converged = maximise(d, n, start, precision)
+    return contact_value(d, n, x), (1 - x) / x if turned else x / (1 - x), converged
 
 
 @kernel

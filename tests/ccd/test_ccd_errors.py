@@ -70,6 +70,18 @@ def test_only_touching_pairs_have_a_contact_point(a, b):
         ccd.contact_point(a, b)
 
 
+def test_sizes_too_different_for_float64_are_told_and_not_guessed():
+    a, b = Ellipsoid((1, 2, 3)), Ellipsoid((3e120, 2e120, 1e120), (2e120, 1e120, 1.1e120), (1, 0.2, 0.3, 0))
+    for question in (ccd.state, ccd.separation, ccd.contact_point):
+        with pytest.raises(ArithmeticError, match="double precision"):
+            question(a, b)
+    near, far = (Bodies(*(np.array([x, y]) for x, y in zip(*((body.semi_axes, body.center, body.orientation) for body in pair))))
+                 for pair in ((A, a), (B, b)))
+    with pytest.raises(ArithmeticError, match=r"pair 1.*double precision"):
+        ccd.batch.state(near, far)
+    assert np.isnan(ccd.batch.contact_function(near, far)).tolist() == [False, True]
+
+
 @pytest.mark.parametrize("wrong", [np.zeros((3, 3)), np.ones((3, 3)), [[1, 2, 3], [4, 5, 6], [7, 8, 9]], np.diag([1, 1, 1e-17])])
 def test_a_linear_map_must_not_be_singular(wrong):
     with pytest.raises(ValueError, match=r"^linear = .*singular"):
