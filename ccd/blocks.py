@@ -9,7 +9,7 @@ from math import nan
 import numba
 import numpy as np
 
-from ccd.characteristic import UNCERTAIN, aspect, magnitudes, margin, polynomial, state_by_contact_function, state_by_roots
+from ccd.characteristic import UNCERTAIN, aspect_ratio, magnitudes, margin, polynomial, state_by_contact_function, state_by_roots
 from ccd.compiling import kernel, parallel_kernel
 from ccd.rotation import body_axes, load_quaternion
 from ccd.separation import contact_value, nearer_end, newton_step, relative_pencil, relative_pose
@@ -51,7 +51,7 @@ def _state_by_roots(column, k):
     g, t = _relative_pose(column, k)
     semi_axes_b = (column[10, k], column[11, k], column[12, k])
     det = column[0, k] * column[1, k] * column[2, k] / (semi_axes_b[0] * semi_axes_b[1] * semi_axes_b[2])
-    return state_by_roots(polynomial(g, t, det), magnitudes(g, t), margin(aspect(semi_axes_b)))
+    return state_by_roots(polynomial(g, t, det), magnitudes(g, t), margin(aspect_ratio(semi_axes_b)))
 
 
 @kernel

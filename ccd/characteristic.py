@@ -85,7 +85,7 @@ def margin(aspect):
 
 
 @kernel
-def aspect(semi_axes):
+def aspect_ratio(semi_axes):
     a, b, c = semi_axes
     return max(max(a, b), c) / min(min(a, b), c)
 

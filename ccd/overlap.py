@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ccd.characteristic import UNCERTAIN, aspect, decided_state, polynomial
+from ccd.characteristic import UNCERTAIN, aspect_ratio, decided_state, polynomial
 from ccd.compiling import kernel
 from ccd.ellipsoid import AffineEllipsoid, Ellipsoid
 from ccd.rotation import body_axes
@@ -69,7 +69,7 @@ def _rigid_pose(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, ori
 @kernel
 def _rigid_state(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, orientation_b):
     g, t, det = _rigid_pose(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, orientation_b)
-    return decided_state(g, t, det, aspect(semi_axes_b))
+    return decided_state(g, t, det, aspect_ratio(semi_axes_b))
 
 
 def _pose(a, b):
