@@ -1,19 +1,28 @@
 """The CCD equation of two moving ellipsoids as numbers (paper, Sec. 3.1): F(u, t) in Bernstein form in u and in t.
 
 F = u (1 - u) N(u, t) - D(u, t), eq. (23): D = det M and N = r^T adj(M) r of M = u X_A + (1 - u) X_B, times their common denominator. D is
-cubic in u and N quadratic; kernels hold them as a *grid* (7, n + 1): the rows are the Bernstein coefficients d0 ... d3 of D and n0 ... n2
-of N in u, each a polynomial of time on [0, 1] (weighted coefficients, bernstein.py).
+cubic in u and N quadratic; kernels hold them as a *grid* (8, n + 1): rows 0 to 6 are the coefficients d0 ... d3 of D and n0 ... n2
+of N in u (Bernstein), each a polynomial of time on [0, 1] (weighted coefficients, bernstein.py); row 7 makes control points of these.
 """
 
 from math import sqrt
 
-from ccd.bernstein import add_product, elevate, set_product, value
+import numpy as np
+
+from ccd.bernstein import add_product, binomials, elevate, set_product, value
 from ccd.compiling import kernel
 from ccd.motion.tensors import entry, index
 from ccd.separation import normal
 from ccd.vectors import add_scaled, scale, subtract
 
 TERMS = 13                      # rows of working space for `fill_grid`
+
+
+def empty_grid(degree):
+    """Space for a grid, with its last row."""
+    grid = np.empty((8, degree + 1))
+    grid[7] = 1 / binomials(degree)
+    return grid
 
 
 @kernel
@@ -117,25 +126,26 @@ def coefficients(grid, t):
 
 @kernel
 def held(grid, u, level, out):
-    """out: F(u, t) for one u as a polynomial of time, weighted coefficients; with D times `level`."""
+    """out: F(u, t) for one u as a polynomial of time, control points; with D times `level`."""
     w = 1 - u
     under = u * w
     n0, n1, n2 = under * w * w, 2 * under * under, under * u * u
     d0, d1, d2, d3 = level * w * w * w, level * 3 * under * w, level * 3 * under * u, level * u * u * u
     for i in range(len(out)):
         out[i] = (n0 * grid[4, i] + n1 * grid[5, i] + n2 * grid[6, i]
-                  - (d0 * grid[0, i] + d1 * grid[1, i] + d2 * grid[2, i] + d3 * grid[3, i]))
+                  - (d0 * grid[0, i] + d1 * grid[1, i] + d2 * grid[2, i] + d3 * grid[3, i])) * grid[7, i]
 
 
 @kernel
 def quartic(grid, level, out):
-    """out (5, n + 1): F's Bernstein coefficients in u, each as weighted coefficients in t; with D times `level`."""
+    """out (5, n + 1): the control points of F in u and t; with D times `level`."""
     for i in range(grid.shape[1]):
-        out[0, i] = -level * grid[0, i]
-        out[1, i] = 0.25 * (grid[4, i] - level * (grid[0, i] + 3 * grid[1, i]))
-        out[2, i] = (2 * grid[5, i] - level * 3 * (grid[1, i] + grid[2, i])) / 6.0
-        out[3, i] = 0.25 * (grid[6, i] - level * (3 * grid[2, i] + grid[3, i]))
-        out[4, i] = -level * grid[3, i]
+        w = grid[7, i]
+        out[0, i] = -level * w * grid[0, i]
+        out[1, i] = 0.25 * w * (grid[4, i] - level * (grid[0, i] + 3 * grid[1, i]))
+        out[2, i] = w * (2 * grid[5, i] - level * 3 * (grid[1, i] + grid[2, i])) / 6.0
+        out[3, i] = 0.25 * w * (grid[6, i] - level * (3 * grid[2, i] + grid[3, i]))
+        out[4, i] = -level * w * grid[3, i]
 
 
 @kernel

@@ -8,7 +8,7 @@ proved is TOUCHING (a tangential contact), and one that is too narrow to be deci
 
 from math import nan
 
-from ccd.bernstein import control_points, restrict
+from ccd.bernstein import restrict
 from ccd.bezier_shoot import best_certificate, bezier_shoot, contact_time, slope, state_of
 from ccd.compiling import kernel
 from ccd.grid import quartic
@@ -71,7 +71,6 @@ def has_no_loop(grid, start, end, level, work):
     f = work[2:7, :grid.shape[1]]
     quartic(grid, level, f)
     for i in range(5):
-        control_points(f[i], f[i])
         restrict(f[i], start, end)
     for _ in range(LOOP_ROUNDS):
         u_low, u_high = _row_range(f, False)

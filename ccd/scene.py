@@ -11,7 +11,7 @@ from ccd.batch import Bodies
 from ccd.bezier_shoot import recursive_shoot
 from ccd.compiling import kernel
 from ccd.frame_culling import plane_holds, spheres_meet
-from ccd.grid import fill_grid, touch
+from ccd.grid import empty_grid, fill_grid, touch
 from ccd.motion import RationalMotion
 from ccd.motion.tensors import Tensors, interpolated_tensors, rigid_tensors
 from ccd.rotation import body_axes, load_quaternion
@@ -156,7 +156,7 @@ def _space(n_a, n_b, rigid):
     else:                               # relative motions belong to a pair: one at a time
         a, b = _stack(1, 0, 0, 0, 0, 0), _stack(1, 2, 1, 0, 3, 1)
     degree = DEGREE[rigid]
-    return _Space(a, b, np.zeros(n_a, dtype=np.bool_), np.zeros(n_b, dtype=np.bool_), np.empty((7, degree + 1)),
+    return _Space(a, b, np.zeros(n_a, dtype=np.bool_), np.zeros(n_b, dtype=np.bool_), empty_grid(degree),
                   np.empty((24, degree + 1)))
 
 
