@@ -10,7 +10,7 @@ from ccd.answers import Contact, Interval
 from ccd.bernstein import binomials
 from ccd.bezier_shoot import best_certificate, recursive_shoot, state_of
 from ccd.ellipsoid import Ellipsoid
-from ccd.grid import TERMS, condition, degrees, empty_grid, fill_grid, quartic, touch
+from ccd.grid import condition, degrees, empty_grid, empty_work, fill_grid, quartic, touch
 from ccd.intervals import PIECES, STACK, WORK, separation_intervals, tangent_instant
 from ccd.motion import AffineInterpolant, AffineMotion, FreeFlight, RationalMotion, approximate_flight
 from ccd.motion.tensors import Tensors
@@ -185,7 +185,7 @@ def _body(name, body, motion_name, motion):
 def _grid(a, b):
     degree_r, rows = degrees(a, b)
     grid = empty_grid(max(rows))
-    fill_grid(grid, a, b, degree_r, np.empty((TERMS, max(rows) + 1)))
+    fill_grid(grid, a, b, degree_r, empty_work(max(rows)))
     return grid
 
 
