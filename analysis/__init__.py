@@ -10,7 +10,7 @@ import importlib
 from analysis.contacts import ContactNumbers
 from analysis.order import NematicOrder, body_axes, nematic_order, nematic_tensor
 from analysis.radial import RadialDistribution, radial_distribution
-from analysis.reader import EDMDParser, EDMDReader
+from analysis.reader import EDMDParser, EDMDReader, unwrap
 from analysis.summary import summarize
 from ccd.contacts import contact_numbers, contact_pairs, rattlers
 
@@ -19,7 +19,7 @@ _DRAWING = {"image": "picture", "plot_compression": "curves", "read_log": "curve
 __all__ = [
     "ContactNumbers", "EDMDParser", "EDMDReader", "NematicOrder", "RadialDistribution", "body_axes", "contact_numbers",
     "contact_pairs", "image", "nematic_order", "nematic_tensor", "plot_compression", "radial_distribution", "rattlers",
-    "read_log", "render", "summarize",
+    "read_log", "render", "summarize", "unwrap",
 ]
 
 
