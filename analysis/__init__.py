@@ -7,8 +7,10 @@ when it is first used.
 
 import importlib
 
-from analysis.contacts import ContactNumbers
-from analysis.order import NematicOrder, body_axes, nematic_order, nematic_tensor
+from analysis.axes import body_axes, three_axes
+from analysis.blocks import block_error
+from analysis.contacts import ContactNumbers, NearContacts, gaps
+from analysis.order import BiaxialOrder, CubaticOrder, NematicOrder, biaxial_order, cubatic_order, nematic_order, nematic_tensor
 from analysis.radial import RadialDistribution, radial_distribution
 from analysis.reader import EDMDParser, EDMDReader, unwrap
 from analysis.summary import summarize
