@@ -9,9 +9,9 @@ def block_error(values):
     """Standard error of the mean of `values` (m,) or (m, ...) along the first axis, where neighbours in the series may be correlated.
 
     Neighbours are averaged in pairs, and pairs again, which takes the correlation away (Flyvbjerg and Petersen, J. Chem. Phys. 91, 461
-    (1989)); the smallest block is taken whose length B has B^3 > 2 m (e_B / e_1)^4, e_B the error from blocks of length B (Wolff, Comput. Phys.
-    Commun. 156, 143 (2004); Lee et al., Phys. Rev. E 83, 066706 (2011)). Of some hundred values the error itself is known to some 20 %.
-    nan where the series is too short to tell, 0 where it stands still. ValueError for what is not finite.
+    (1989)); the smallest block is taken whose length B has B^3 > 2 m (e_B / e_1)^4, e_B the error from blocks of length B (Wolff, Comput.
+    Phys. Commun. 156, 143 (2004); Lee et al., Phys. Rev. E 83, 066706 (2011)). Of some hundred values the error itself is known to some
+    20 %. nan where the series is too short to tell, 0 where it stands still. ValueError for what is not finite.
     """
     blocks = checks.real_array("values", values, (None,) * max(np.ndim(values), 1), "a series of numbers (m,) or (m, ...)")
     m, length, first = len(blocks), 1, None

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from analysis.frames import FrameAnalysis
+from analysis.frames import ThreadedAnalysis
 from ccd import checks
 from ccd.contacts import contact_functions, contact_numbers, contact_pairs, mean_contact_number, rattlers
 
@@ -10,15 +10,15 @@ from ccd.contacts import contact_functions, contact_numbers, contact_pairs, mean
 def gaps(positions, orientations, semi_axes, cell, largest=0.1):
     """The gaps mu - 1 < `largest` (m,) between bodies, smallest first; a pair that is near through several images counts for each.
 
-    mu, the root of the Perram-Wertheim contact function (J. Comput. Phys. 58, 409 (1985)), is the factor by which both bodies must be scaled to
-    touch: the gap has no unit, and is negative where two overlap. Arguments as `contact_pairs`.
+    mu, the root of the Perram-Wertheim contact function (J. Comput. Phys. 58, 409 (1985)), is the factor by which both bodies must be
+    scaled to touch: the gap has no unit, and is negative where two overlap. Arguments as `contact_pairs`.
     """
     largest = checks.real_number("largest", largest, "a positive number, for instance 0.1", above=0)
     found = np.sqrt(contact_functions(positions, orientations, semi_axes, cell, largest)[2]) - 1
     return np.sort(found[found < largest])
 
 
-class ContactNumbers(FrameAnalysis):
+class ContactNumbers(ThreadedAnalysis):
     """Contacts between the atoms along a trajectory: `ContactNumbers(u.atoms, gap=1e-3).run()`.
 
     A contact is a pair with mu - 1 < `gap`. `results.contact_numbers` (frames, n) counts all contacts; `results.rattlers` (frames,) is the
@@ -39,7 +39,7 @@ class ContactNumbers(FrameAnalysis):
         return contact_numbers(pairs, n), loose.sum(), ~loose, mean_contact_number(pairs, n)
 
 
-class NearContacts(FrameAnalysis):
+class NearContacts(ThreadedAnalysis):
     """How many neighbours does a body have within a gap? `NearContacts(u.atoms, smallest=1e-6, largest=0.1).run()`.
 
     `results.gap` (bins + 1,), `bins` steps of equal ratio from `smallest` to `largest`; `results.contacts` (bins + 1,) the mean number of

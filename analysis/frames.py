@@ -64,6 +64,19 @@ class FrameAnalysis(AnalysisBase):
         return body_axes(self.atomgroup.orientations, self.atomgroup.semi_axes)
 
 
+class ThreadedAnalysis(FrameAnalysis):
+    """A FrameAnalysis whose function keeps all cores busy by threads: serial over the frames.
+
+    MDAnalysis' processes are forks, and a fork of a process whose threads have run never comes back.
+    """
+
+    _analysis_algorithm_is_parallelizable = False
+
+    @classmethod
+    def get_supported_backends(cls):
+        return ("serial",)
+
+
 def cell_of(ts):
     """The cell vectors of a frame as rows (3, 3), in the precision of its file."""
     return np.asarray(ts.data.get("cell", ts.triclinic_dimensions), dtype=float)

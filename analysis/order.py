@@ -32,10 +32,10 @@ def nematic_order(axes):
 def biaxial_order(orientations):
     """Do bodies with three different axes agree on all of them? `orientations` (n, 4), scalar first.
 
-    With Q^aa = <3 a a - 1> / 2 for each body axis a: z is the body axis whose Q has the largest eigenvalue, the uniaxial order, and Z that
-    eigenvector. The biaxial order is B = (X.Qxx.X + Y.Qyy.Y - X.Qyy.X - Y.Qxx.Y) / 3 (Camp and Allen, J. Chem. Phys. 106, 6681 (1997)), here
-    with the X and Y perpendicular to Z that make it largest: (l1 - l2) / 3 with the eigenvalues l of Qxx - Qyy in that plane. Of n random
-    bodies both are about 1/sqrt(n). Of spheroids it means nothing: two of their axes are any.
+    With Q^aa = <3 a a - 1> / 2 for each body axis a: z is the body axis whose Q has the largest eigenvalue, the uniaxial order, and Z
+    that eigenvector. The biaxial order is B = (X.Qxx.X + Y.Qyy.Y - X.Qyy.X - Y.Qxx.Y) / 3 (Camp and Allen, J. Chem. Phys. 106, 6681
+    (1997)), here with the X and Y perpendicular to Z that make it largest: (l1 - l2) / 3 with the eigenvalues l of Qxx - Qyy in that
+    plane. Of n random bodies both are about 1/sqrt(n). Of spheroids it means nothing: two of their axes are any.
     """
     axes = three_axes(orientations)
     tensors = np.stack([nematic_tensor(axes[:, k]) for k in range(3)])

@@ -30,8 +30,9 @@ def radial_distribution(positions, cell, r_max, bins=100):
 def orientational_pair_correlation(positions, axes, cell, r_max, bins=100):
     """g2(r) = <P2(u_i . u_j)> over the pairs whose centres are r apart: how parallel neighbours are.
 
-    P2(x) = (3 x^2 - 1) / 2: 1 parallel, -1/2 perpendicular, 0 at random; far apart it tends to the square of the nematic order (in a large
-    system). `axes` (n, 3) unit vectors (`body_axes`), the rest as `radial_distribution`. Returns (r (bins,), g2 (bins,)), nan where no pair is.
+    P2(x) = (3 x^2 - 1) / 2: 1 parallel, -1/2 perpendicular, 0 at random; far apart it tends to the square of the nematic order (in a
+    large system). `axes` (n, 3) unit vectors (`body_axes`), the rest as `radial_distribution`. Returns (r (bins,), g2 (bins,)), nan where
+    no pair is.
     """
     edges = np.linspace(0.0, r_max, bins + 1)
     pairs, sums = second_legendre_sums(positions, axes, cell, edges)
@@ -158,9 +159,9 @@ class OrientationalPairCorrelation(PairAnalysis):
 class CylindricalDistribution(PairAnalysis):
     """g(z, rho) of the atoms about the director, averaged over the frames: `CylindricalDistribution(u.atoms, r_max=4.0).run()`.
 
-    About each frame's own director (`nematic_order` of the `body_axes`), or `director=(x, y, z)`. `results.r` (bins,), `results.g` (bins, bins)
-    as `cylindrical_distribution`; `results.along` and `results.across` (bins,), with `results.along_error` and `results.across_error` over
-    the frames.
+    About each frame's own director (`nematic_order` of the `body_axes`), or `director=(x, y, z)`. `results.r` (bins,), `results.g` (bins,
+    bins) as `cylindrical_distribution`; `results.along` and `results.across` (bins,), with `results.along_error` and
+    `results.across_error` over the frames.
     """
 
     SERIES = ("g",)

@@ -10,9 +10,10 @@ from ccd import checks
 def structure_factor(positions, cell, k_max):
     """S(k) = |sum_j exp(-i k.r_j)|^2 / n of bodies in a periodic cell, for every wave vector k of the cell with 0 < |k| <= k_max.
 
-    `positions` (n, 3); `cell` (3, 3), rows are the cell vectors a_i, of any shape. The wave vectors are those with k.a_i = 2 pi times a whole
-    number; of k and -k, which have the same S, one is given. Of an ideal gas S = 1 on average (exactly, at any n: k = 0 is left out); a
-    crystal has S = n at its Bragg peaks. Returns (k (m, 3), S (m,)). The cost is n times the number of waves: k_max^3 times the volume.
+    `positions` (n, 3); `cell` (3, 3), rows are the cell vectors a_i, of any shape. The wave vectors are those with k.a_i = 2 pi times a
+    whole number; of k and -k, which have the same S, one is given. Of an ideal gas S = 1 on average (exactly, at any n: k = 0 is left
+    out); a crystal has S = n at its Bragg peaks. Returns (k (m, 3), S (m,)). The cost is n times the number of waves: k_max^3 times the
+    volume.
     """
     positions = checks.real_array("positions", positions, (None, 3), "an array (n, 3)")
     cell = checks.cell_vectors("cell", cell)
