@@ -32,7 +32,7 @@ from analysis.radial import (
     radial_distribution,
 )
 from analysis.reader import EDMDParser, EDMDReader, unwrap
-from analysis.structure_factor import StructureFactor, structure_factor
+from analysis.scattering import StructureFactor, structure_factor
 from analysis.summary import summarize
 from ccd.contacts import contact_numbers, contact_pairs, rattlers
 

@@ -6,6 +6,8 @@ from analysis.frames import ThreadedAnalysis
 from ccd import Status, batch, checks
 from ccd.culling import near_pairs
 
+AT_ONCE = 200_000               # flights computed at a time
+
 
 def jamming_point(packing_fraction, reduced_pressure, above=100.0):
     """The packing fraction at which the pressure diverges, and the number f of the law, from the points of a compression.
@@ -44,17 +46,18 @@ def free_volumes(positions, orientations, semi_axes, cell, reach=0.5, directions
     mover = np.concatenate([first[others], second[others]])
     obstacle = np.concatenate([second[others], first[others]])
     separation = np.concatenate([separation[others], -separation[others]])
-    rest = batch.Bodies(bodies.semi_axes[obstacle], separation, bodies.orientation[obstacle])
-    volumes = np.zeros(len(bodies))
-    for direction in sphere_points(directions):
-        way = np.full(len(bodies), np.inf)
-        velocity = np.tile(direction, (len(mover), 1))
-        flying = batch.Bodies(bodies.semi_axes[mover], np.zeros_like(separation), bodies.orientation[mover], velocity)
-        time, status = batch.first_contact(flying, rest, longest)
+    volumes, n, m = np.zeros(len(bodies)), len(bodies), len(mover)
+    for several in np.array_split(sphere_points(directions), 1 + directions * m // AT_ONCE):
+        k = len(several)
+        flying, resting = [batch.Bodies(np.tile(bodies.semi_axes[who], (k, 1)), center, np.tile(bodies.orientation[who], (k, 1)), velocity)
+                           for who, center, velocity in ((mover, np.zeros((k * m, 3)), np.repeat(several, m, axis=0)),
+                                                         (obstacle, np.tile(separation, (k, 1)), None))]
+        time, status = batch.first_contact(flying, resting, longest)
         time[status == Status.UNRESOLVED] = np.nan
         time[status == Status.OVERLAPPING] = 0.0
-        np.minimum.at(way, mover, time)
-        volumes += np.where(np.isinf(way), np.nan, way)**3 / 3 * 4 * np.pi / directions
+        way = np.full((k, n), np.inf)
+        np.minimum.at(way, (np.repeat(np.arange(k), m), np.tile(mover, k)), time)
+        volumes += np.sum(np.where(np.isinf(way), np.nan, way)**3, axis=0) / 3 * 4 * np.pi / directions
     return volumes
 
 

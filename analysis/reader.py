@@ -72,7 +72,7 @@ class FrameAttribute(AtomAttr):
         try:
             return ag.universe.trajectory.ts.data[self.key]
         except KeyError:
-            raise NoDataError(f"{self.attrname}: these frames have none, they are not of an edmd file") from None
+            raise NoDataError(f"{self.attrname}: these frames have none; they are not read from an edmd file") from None
 
 
 class Orientations(FrameAttribute):

@@ -6,6 +6,7 @@ from runs import random_quaternions, wrapped, write_run
 from scipy.spatial.transform import Rotation
 
 import analysis
+from analysis import dynamics
 
 
 def body_axes(q):
@@ -49,8 +50,10 @@ def ballistic(tmp_path, times, n=50):
     return path, velocities, body_axes(q)
 
 
-@pytest.mark.parametrize("times", [0.25 * np.arange(20), [0.0, 0.3, 1.0, 1.7, 4.0]])
-def test_ballistic_flight_is_split_by_the_axis_at_the_start(tmp_path, times):
+@pytest.mark.parametrize(("times", "at_once"), [(0.25 * np.arange(20), dynamics.AT_ONCE), (0.25 * np.arange(20), 170),
+                                                ([0.0, 0.3, 1.0, 1.7, 4.0], dynamics.AT_ONCE)])
+def test_ballistic_flight_is_split_by_the_axis_at_the_start(tmp_path, monkeypatch, times, at_once):
+    monkeypatch.setattr(dynamics, "AT_ONCE", at_once)
     path, velocities, axes = ballistic(tmp_path, times)
     results = analysis.MeanSquaredDisplacement(mda.Universe(path).atoms).run().results
     np.testing.assert_allclose(results.total, np.mean(np.sum(velocities**2, axis=1)) * results.lag**2, rtol=1e-9)

@@ -4,6 +4,7 @@ import pytest
 from runs import fcc, write_run
 
 import analysis
+from analysis import scattering
 
 SKEW = np.array([[5.0, 0, 0], [2.0, 4.5, 0], [-1.5, 1.8, 5.2]])
 
@@ -34,7 +35,9 @@ def test_waves_are_those_of_the_cell_each_once():
     np.testing.assert_allclose(both[np.lexsort(both.round(9).T)], expected[np.lexsort(expected.round(9).T)], atol=1e-12)
 
 
-def test_a_brute_sum_agrees():
+@pytest.mark.parametrize("at_once", [scattering.AT_ONCE, 10_000])
+def test_a_brute_sum_agrees(monkeypatch, at_once):
+    monkeypatch.setattr(scattering, "AT_ONCE", at_once)
     rng = np.random.default_rng(1)
     positions = rng.random((40, 3)) @ SKEW
     k, s = analysis.structure_factor(positions, SKEW, 5.0)

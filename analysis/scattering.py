@@ -6,6 +6,8 @@ from analysis.blocks import weighted_mean
 from analysis.frames import FrameAnalysis
 from ccd import checks
 
+AT_ONCE = 4_000_000             # products of two waves held in memory at a time
+
 
 def structure_factor(positions, cell, k_max):
     """S(k) = |sum_j exp(-i k.r_j)|^2 / n of bodies in a periodic cell, for every wave vector k of the cell with 0 < |k| <= k_max.
@@ -23,7 +25,12 @@ def structure_factor(positions, cell, k_max):
     orders = [np.arange(-h, h + 1) for h in highest]
     waves = [np.exp(-2j * np.pi * np.outer(fractions[:, i], orders[i])) for i in range(3)]
     half = orders[0] >= 0
-    amplitudes = np.stack([(waves[0][:, [h]] * waves[1]).T @ waves[2] for h in np.flatnonzero(half)])
+    waves[0] = waves[0][:, half]
+    shape = [wave.shape[1] for wave in waves]
+    amplitudes = np.zeros((shape[0] * shape[1], shape[2]), dtype=complex)
+    for one, two, three in zip(*(np.array_split(wave, 1 + len(amplitudes) * len(positions) // AT_ONCE) for wave in waves)):
+        amplitudes += (one[:, :, None] * two[:, None, :]).reshape(len(one), -1).T @ three
+    amplitudes = amplitudes.reshape(shape)
     h = np.stack(np.meshgrid(orders[0][half], orders[1], orders[2], indexing="ij"), axis=-1)
     k = 2 * np.pi * h @ np.linalg.inv(cell).T
     length = np.linalg.norm(k, axis=-1)
