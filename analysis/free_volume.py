@@ -54,7 +54,6 @@ def free_volumes(positions, orientations, semi_axes, cell, reach=0.5, directions
                                                          (obstacle, np.tile(separation, (k, 1)), None))]
         time, status = batch.first_contact(flying, resting, longest)
         time[status == Status.UNRESOLVED] = np.nan
-        time[status == Status.OVERLAPPING] = 0.0
         way = np.full((k, n), np.inf)
         np.minimum.at(way, (np.repeat(np.arange(k), m), np.tile(mover, k)), time)
         volumes += np.sum(np.where(np.isinf(way), np.nan, way)**3, axis=0) / 3 * 4 * np.pi / directions

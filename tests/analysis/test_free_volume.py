@@ -35,7 +35,8 @@ def test_cages_that_are_open_or_shut():
     distances = np.linalg.norm((positions - positions[5] + cell[0, 0] / 2) % cell[0, 0] - cell[0, 0] / 2, axis=1)
     assert volumes[5] == 0
     assert np.all(volumes[distances > 1.1] > 0)
-    assert np.isnan(analysis.free_volumes(positions[:1], orientations[:1], semi_axes[:1], cell, directions=10)).all()
+    alone = positions[:1], orientations[:1], semi_axes[:1], 1.01 * np.sqrt(0.5) * np.array([[1, 1, 0], [1, 0, 1], [0, 1, 1.0]])
+    assert np.isnan(analysis.free_volumes(*alone, directions=10)).all()         # its twelve neighbours are its own images: they move along
     with pytest.raises(ValueError, match="reach"):
         analysis.free_volumes(positions, orientations, semi_axes, cell, reach=0)
 

@@ -146,6 +146,21 @@ def test_an_ideal_gas_has_one_in_every_ring():
         assert np.all(np.abs(mean - 1) < 4 / np.sqrt(numbers))
 
 
+def test_means_over_a_cylinder_are_counts_in_slabs_and_tubes():
+    rng = np.random.default_rng(6)
+    positions, director, r_max = rng.random((40, 3)) @ SKEW, np.array([0.6, 0.0, 0.8]), 1.2
+    _, g = analysis.cylindrical_distribution(positions, SKEW, director, r_max, 4)
+    images = np.stack(np.meshgrid(*[np.arange(-2, 3)] * 3, indexing="ij"), axis=-1).reshape(-1, 3) @ SKEW
+    separation = np.concatenate([positions[j] + images - positions[i] for i in range(40) for j in range(i)])
+    z, rho = np.abs(separation @ director), np.linalg.norm(np.cross(separation, director), axis=1)
+    inside = (z < r_max) & (rho < r_max)
+    density = 40 * 39 / 2 / np.linalg.det(SKEW)
+    edges = np.linspace(0, r_max, 5)
+    slabs, tubes = (np.histogram(values[inside], bins=edges)[0] for values in (z, rho))
+    np.testing.assert_allclose(analysis.along(g), slabs / (density * 2 * 0.3 * np.pi * r_max**2), rtol=1e-12)
+    np.testing.assert_allclose(analysis.across(g), tubes / (density * 2 * r_max * np.pi * np.diff(edges**2)), rtol=1e-12)
+
+
 def test_all_pair_distributions_along_a_trajectory(tmp_path):
     """The means of the function over the frames, with errors that cover an ideal gas."""
     rng = np.random.default_rng(8)
