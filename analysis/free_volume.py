@@ -35,11 +35,13 @@ def free_volumes(positions, orientations, semi_axes, cell, reach=0.5, directions
 
     The integral of s^3 / 3 over all directions, with s the way to the first contact by `ccd`'s certified shoot: the whole free volume of
     a body in its cage where that is seen from its centre, as it is near jamming (it is a polyhedron then), and less where it has corners.
-    Over `directions` equal patches of the sphere: some 1 % at 500. A cage is open, and the volume nan, when a way of `reach` times the
+    Over `directions` equal patches of the sphere: some 1 % at 300. A cage is open, and the volume nan, when a way of `reach` times the
     longest semi-axis of all meets nobody. 0 for a body that overlaps. Arguments as `analysis.contact_pairs`. In cubed units of length.
     """
     bodies = batch.Bodies(semi_axes, positions, orientations)
     cell = checks.cell_vectors("cell", cell)
+    if checks.natural_number("directions", directions) == 0:
+        raise ValueError(f"directions = {directions}: expected at least one, some hundred for 1 %")
     longest = checks.real_number("reach", reach, "a positive number", above=0) * bodies.semi_axes.max()
     first, second, separation = near_pairs(bodies.center, cell, longest + 2 * bodies.semi_axes.max())
     others = first != second                                    # an own image moves along

@@ -35,7 +35,7 @@ def biaxial_order(orientations):
     With Q^aa = <3 a a - 1> / 2 for each body axis a: z is the body axis whose Q has the largest eigenvalue, the uniaxial order, and Z
     that eigenvector. The biaxial order is B = (X.Qxx.X + Y.Qyy.Y - X.Qyy.X - Y.Qxx.Y) / 3 (Camp and Allen, J. Chem. Phys. 106, 6681
     (1997)), here with the X and Y perpendicular to Z that make it largest: (l1 - l2) / 3 with the eigenvalues l of Qxx - Qyy in that
-    plane. Of n random bodies both are about 1/sqrt(n). Of spheroids it means nothing: two of their axes are any.
+    plane. Of n random bodies they are about 1/sqrt(n) and 0.4/sqrt(n). Of spheroids it means nothing: two of their axes are any.
     """
     axes = three_axes(orientations)
     tensors = np.stack([nematic_tensor(axes[:, k]) for k in range(3)])
@@ -59,7 +59,7 @@ def cubatic_order(axes):
 
     `axes` (n, 3): one unit vector a body, or (n, 3, 3): its three axes, one a row (`three_axes`). With F(N) the mean over all axes u of
     the sum of (u.N)^4 over three perpendicular N, the order is C = (max F - 3/5) / (2/5): 1 when every axis is along one of them, and of
-    random axes 0 as their number grows (about 2/sqrt(n): a maximum over frames is never negative). The sum over the N is the cubic
+    random axes 0 as their number grows (about 1/sqrt(n): a maximum over frames is never negative). The sum over the N is the cubic
     harmonic of rank 4; a perfect nematic has C = 1 too: cubatic is C > 0 where the nematic order is 0. The maximum is found by turns in one
     plane after the other, each in closed form, from the frames of several bodies; a higher maximum could be missed where order is faint.
     """

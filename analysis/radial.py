@@ -6,7 +6,7 @@ from analysis.axes import unit_vectors
 from analysis.blocks import block_error, weighted_mean
 from analysis.frames import FrameAnalysis, cell_of
 from analysis.order import nematic_order
-from ccd.checks import cell_vectors, real_array
+from ccd import checks
 from ccd.culling import near_pairs
 
 CORNER = np.sqrt(2)             # from the middle to the rim of a cylinder whose radius and half height are 1
@@ -21,7 +21,7 @@ def radial_distribution(positions, cell, r_max, bins=100):
     shell, g (bins,)).
     """
     positions, cell = checked(positions, cell, r_max)
-    edges = np.linspace(0.0, r_max, bins + 1)
+    edges = equal_steps(r_max, bins)
     counts = np.histogram(np.linalg.norm(near_pairs(positions, cell, r_max)[2], axis=1), bins=edges)[0]
     shells = 4 / 3 * np.pi * np.diff(edges**3)
     return middles(edges), counts / expected_pairs(len(positions), cell, shells)
@@ -34,7 +34,7 @@ def orientational_pair_correlation(positions, axes, cell, r_max, bins=100):
     large system). `axes` (n, 3) unit vectors (`body_axes`), the rest as `radial_distribution`. Returns (r (bins,), g2 (bins,)), nan where
     no pair is.
     """
-    edges = np.linspace(0.0, r_max, bins + 1)
+    edges = equal_steps(r_max, bins)
     pairs, sums = second_legendre_sums(positions, axes, cell, edges)
     with np.errstate(invalid="ignore"):
         return middles(edges), sums / pairs
@@ -59,7 +59,7 @@ def cylindrical_distribution(positions, cell, director, r_max, bins=50):
     """
     positions, cell = checked(positions, cell, r_max, CORNER)
     director = unit_vectors("director", [director], (1, 3), "a unit vector of three numbers")[0]
-    edges = np.linspace(0.0, r_max, bins + 1)
+    edges = equal_steps(r_max, bins)
     separation = near_pairs(positions, cell, CORNER * r_max)[2]
     z = separation @ director
     rho = np.linalg.norm(separation - z[:, None] * director, axis=1)
@@ -81,8 +81,8 @@ def across(g):
 
 def checked(positions, cell, r_max, reach=1.0):
     """Positions and cell as arrays; ValueError where there are no pairs, or a pair could count twice within reach * r_max."""
-    positions = real_array("positions", positions, (None, 3), "an array (n, 3)")
-    cell = cell_vectors("cell", cell)
+    positions = checks.real_array("positions", positions, (None, 3), "an array (n, 3)")
+    cell = checks.cell_vectors("cell", cell)
     if len(positions) < 2:
         raise ValueError(f"positions: {len(positions)} bodies; at least 2 are needed")
     largest = half_width(cell) / reach
@@ -95,6 +95,13 @@ def checked(positions, cell, r_max, reach=1.0):
 def expected_pairs(n, cell, volumes):
     """Pairs that n bodies placed at random would have in volumes of the separation."""
     return n * (n - 1) / 2 * volumes / abs(np.linalg.det(cell))
+
+
+def equal_steps(largest, bins):
+    """Edges (bins + 1,) of equal steps from 0."""
+    if checks.natural_number("bins", bins) == 0:
+        raise ValueError(f"bins = {bins}: expected at least one")
+    return np.linspace(0.0, largest, bins + 1)
 
 
 def middles(edges):
@@ -114,7 +121,7 @@ class PairAnalysis(FrameAnalysis):
     def __init__(self, atomgroup, r_max=None, bins=100, **kwargs):
         super().__init__(atomgroup, **kwargs)
         self.r_max = half_width(cell_of(atomgroup.universe.trajectory.ts)) / self.REACH if r_max is None else r_max
-        self.edges = np.linspace(0.0, self.r_max, bins + 1)
+        self.edges = equal_steps(self.r_max, bins)
 
     def _conclude(self):
         super()._conclude()

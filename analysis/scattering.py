@@ -4,6 +4,7 @@ import numpy as np
 
 from analysis.blocks import weighted_mean
 from analysis.frames import FrameAnalysis
+from analysis.radial import equal_steps
 from ccd import checks
 
 AT_ONCE = 4_000_000             # products of two waves held in memory at a time
@@ -51,7 +52,7 @@ class StructureFactor(FrameAnalysis):
 
     def __init__(self, atomgroup, k_max, bins=100, **kwargs):
         super().__init__(atomgroup, **kwargs)
-        self.k_max, self.edges = k_max, np.linspace(0.0, k_max, bins + 1)
+        self.k_max, self.edges = k_max, equal_steps(k_max, bins)
 
     def _frame(self):
         k, s = structure_factor(self.positions, self.cell, self.k_max)

@@ -37,8 +37,9 @@ def test_cages_that_are_open_or_shut():
     assert np.all(volumes[distances > 1.1] > 0)
     alone = positions[:1], orientations[:1], semi_axes[:1], 1.01 * np.sqrt(0.5) * np.array([[1, 1, 0], [1, 0, 1], [0, 1, 1.0]])
     assert np.isnan(analysis.free_volumes(*alone, directions=10)).all()         # its twelve neighbours are its own images: they move along
-    with pytest.raises(ValueError, match="reach"):
-        analysis.free_volumes(positions, orientations, semi_axes, cell, reach=0)
+    for name in ("reach", "directions"):
+        with pytest.raises(ValueError, match=name):
+            analysis.free_volumes(positions, orientations, semi_axes, cell, **{name: 0})
 
 
 def test_free_volumes_along_a_trajectory(tmp_path):

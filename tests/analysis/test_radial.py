@@ -193,5 +193,7 @@ def test_cylinders_that_reach_too_far_and_directions_that_are_none_are_refused()
         analysis.cylindrical_distribution(positions, cell, (0, 0, 1), 1.01)
     with pytest.raises(ValueError, match="director"):
         analysis.cylindrical_distribution(positions, cell, (0, 0, 2), 1.0)
+    with pytest.raises(ValueError, match="bins"):
+        analysis.radial_distribution(positions, cell, 1.0, bins=0)
     with pytest.raises(ValueError, match="axes"):
         analysis.orientational_pair_correlation(positions, np.eye(3), cell, 1.0)

@@ -223,6 +223,11 @@ def test_orientations_need_one_of_our_files():
     universe.add_TopologyAttr("orientations", np.zeros((3, 4)))
     with pytest.raises(mda.NoDataError, match="orientation"):
         _ = universe.atoms.orientations
+    universe.add_TopologyAttr("unwrapped_positions", np.zeros((3, 3)))
+    with pytest.raises(mda.NoDataError, match="unwrapped_position"):
+        _ = universe.atoms.unwrapped_positions
+    with pytest.raises(mda.NoDataError, match="these frames have no images"):
+        universe.trajectory.add_transformations(analysis.unwrap)
 
 
 def test_a_file_without_frames_is_refused_in_words(moving, tmp_path):
