@@ -37,13 +37,15 @@ def is_edmd_file(thing):
     if not isinstance(thing, (str, os.PathLike)) or not isinstance(os.fspath(thing), str):
         return False
     path = os.fspath(thing)
+    if not os.path.isfile(path):                # a pipe would wait for a writer
+        return False
     try:
         with open(path, "rb") as file:
             if file.read(len(HDF5_SIGNATURE)) != HDF5_SIGNATURE:
                 return False
         with RunFile(path) as file:
             return file["h5md/creator"].attrs["name"] == "edmd"
-    except (OSError, KeyError, ValueError):                     # ValueError: a zero byte in the name
+    except (OSError, KeyError):
         return False
 
 

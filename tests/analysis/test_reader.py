@@ -1,3 +1,4 @@
+import os
 import pickle
 import shutil
 import subprocess
@@ -244,7 +245,8 @@ def test_the_sniff_never_raises(tmp_path):
     (tmp_path / "text.h5md").write_text("not hdf5")
     with h5py.File(tmp_path / "foreign.h5md", "w") as file:
         file["other"] = 1
-    files = "absent.h5md", "zero\0byte", tmp_path, tmp_path / "text.h5md", tmp_path / "foreign.h5md"
+    os.mkfifo(tmp_path / "pipe.h5md")
+    files = tmp_path / "pipe.h5md", "absent.h5md", "zero\0byte", tmp_path, tmp_path / "text.h5md", tmp_path / "foreign.h5md"
     for thing in (None, 3, b"x.h5md", np.zeros(3), *files):
         assert not is_edmd_file(thing)
 
