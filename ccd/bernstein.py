@@ -132,7 +132,7 @@ def _is_positive(c):
 
 
 @kernel
-def _hull_crossing(c, sign, from_right):
+def hull_crossing(c, sign, from_right):
     """How far from one end, in (0, 1], the convex hull of the control points sign * c stays positive. 0: nowhere, inf: everywhere."""
     n = len(c) - 1
     first, step = (n, -1) if from_right else (0, 1)
@@ -165,7 +165,7 @@ def first_root(p, c):
         if fresh:
             _part(p, low, low + width, c)
             fresh = False
-        left = inf if _is_positive(c) else _hull_crossing(c, 1.0, False)
+        left = inf if _is_positive(c) else hull_crossing(c, 1.0, False)
         if left == inf:
             low += width
             if low >= 1.0:
@@ -174,7 +174,7 @@ def first_root(p, c):
             continue
         if left == 0.0 or width <= ROOT:
             return low
-        right = 1 - _hull_crossing(c, 1.0 if c[len(c) - 1] > 0 else -1.0, True)
+        right = 1 - hull_crossing(c, 1.0 if c[len(c) - 1] > 0 else -1.0, True)
         if right - left > CLIPS_WELL:
             right = 0.5 * (left + right)
         restrict(c, left, right)

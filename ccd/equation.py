@@ -11,7 +11,8 @@ from ccd.bernstein import binomials
 from ccd.bezier_shoot import best_certificate, recursive_shoot, state_of
 from ccd.ellipsoid import Ellipsoid
 from ccd.grid import condition, degrees, empty_grid, empty_work, fill_grid, quartic, touch
-from ccd.intervals import PIECES, STACK, WORK, separation_intervals, tangent_instant
+from ccd.intervals import PIECES, STACK, separation_intervals, tangent_instant
+from ccd.intervals import empty_work as loop_work
 from ccd.motion import AffineInterpolant, AffineMotion, FreeFlight, RationalMotion, approximate_flight
 from ccd.motion.tensors import Tensors
 from ccd.status import State, Status
@@ -91,7 +92,7 @@ class CCDEquation:
         """The first contact by recursive Bézier shoots (paper, Sec. 3.3). -> Contact, as from ccd.first_contact"""
         shoots = 0
         for k, part in enumerate(self._parts):
-            status, s, u, count = recursive_shoot(part.grid, 1.0, np.empty((WORK, part.grid.shape[1])))
+            status, s, u, count = recursive_shoot(part.grid, 1.0, loop_work(part.grid.shape[1] - 1))
             shoots += count
             if status == Status.OVERLAPPING and k > 0:      # rounding at the border of two parts: the shoot came here without contact
                 status = Status.CONTACT
@@ -157,7 +158,7 @@ class _Part:
 
     def pieces(self):
         """[start, end, State] end to end; a tangential contact is an instant."""
-        found, work = np.empty(PIECES), np.empty((WORK, self.grid.shape[1]))
+        found, work = np.empty(PIECES), loop_work(self.grid.shape[1] - 1)
         pieces = found[:separation_intervals(self.grid, found, np.empty(STACK), work)].tolist()
         for k, (start, end, state) in enumerate(pieces):
             if state == State.TOUCHING and (instant := tangent_instant(self.grid, start, end, work)) >= 0:

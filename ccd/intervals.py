@@ -6,9 +6,11 @@ What Remarks 3 and 4 of the paper settle with a small epsilon is said here: an i
 proved is TOUCHING (a tangential contact), and one that is too narrow to be decided is UNRESOLVED.
 """
 
-from math import nan
+from math import inf, nan
 
-from ccd.bernstein import restrict
+import numpy as np
+
+from ccd.bernstein import hull_crossing, restrict
 from ccd.bezier_shoot import best_certificate, bezier_shoot, contact_time, slope, state_of
 from ccd.compiling import kernel
 from ccd.grid import quartic
@@ -19,35 +21,17 @@ SEPARATE, TOUCHING, OVERLAPPING, UNRESOLVED = int(State.SEPARATE), int(State.TOU
 CSI, COI, KNOWN = 0.0, 1.0, 2.0         # what waits on the stack; KNOWN: already confirmed to be separate
 STACK = (512, 5)                        # rows: start, end, kind, and whether the bodies touch at start and at end
 PIECES = (512, 3)                       # rows: start, end, State
-WORK = 7                                # rows of working space, each of degree + 1 numbers
+
+
+def empty_work(degree):
+    """Working space for `separation_intervals`, and for what it calls."""
+    return np.empty((9, max(degree + 1, 5)))
 
 
 @kernel
-def _row_range(f, along_t):
-    """Where in [0, 1], along u or along t, the control points of F allow it to be positive. -> low, high; high < 0 when nowhere.
-
-    The extent of the upper hull of the largest control point of each row (column) above zero.
-    """
-    n = (f.shape[1] if along_t else f.shape[0]) - 1
-    low, high = 2.0, -1.0
-    for i in range(n + 1):
-        at_i = _largest(f, i, along_t)
-        if at_i > 0:
-            low, high = min(low, i / n if n else 0.0), max(high, i / n if n else 1.0)
-            for j in range(n + 1):
-                at_j = _largest(f, j, along_t)
-                if at_j <= 0:
-                    crossing = (i + (j - i) * at_i / (at_i - at_j)) / n
-                    low, high = min(low, crossing), max(high, crossing)
-    return low, high
-
-
-@kernel
-def _largest(f, k, along_t):
-    largest = f[0, k] if along_t else f[k, 0]
-    for i in range(1, f.shape[0] if along_t else f.shape[1]):
-        largest = max(largest, f[i, k] if along_t else f[k, i])
-    return largest
+def _positive_range(largest):
+    """Where in [0, 1] the upper hull of control points is above zero. -> low, high; low is inf for nowhere."""
+    return hull_crossing(largest, -1.0, False), 1 - hull_crossing(largest, -1.0, True)
 
 
 @kernel
@@ -72,11 +56,18 @@ def has_no_loop(grid, start, end, level, work):
     quartic(grid, level, f)
     for i in range(5):
         restrict(f[i], start, end)
+    largest_u, largest_t = work[7, :5], work[8, :grid.shape[1]]
     for _ in range(LOOP_ROUNDS):
-        u_low, u_high = _row_range(f, False)
-        t_low, t_high = _row_range(f, True)
-        if u_high < 0 or t_high < 0 or _monotonic(f):
+        for i in range(5):
+            largest_u[i] = -inf
+        for j in range(f.shape[1]):
+            largest_t[j] = max(max(max(f[0, j], f[1, j]), max(f[2, j], f[3, j])), f[4, j])
+            for i in range(5):
+                largest_u[i] = max(largest_u[i], f[i, j])
+        u_low, u_high = _positive_range(largest_u)
+        if u_low == inf or _monotonic(f):
             return True
+        t_low, t_high = _positive_range(largest_t)
         if u_high - u_low > CLIPS_WELL and t_high - t_low > CLIPS_WELL:
             return False
         for i in range(5):
@@ -144,7 +135,7 @@ def _initialise(grid, stack):
 
 @kernel
 def separation_intervals(grid, pieces, stack, work):
-    """Fill in pieces (capacity, 3): start, end, State, in order of time over [0, 1]. -> how many. work: (7, degree + 1)."""
+    """Fill in pieces (capacity, 3): start, end, State, in order of time over [0, 1]. -> how many. work: `empty_work`."""
     top, count, u = _initialise(grid, stack), 0, 0.5
     for step in range(CANDIDATES + 1):
         if top == 0:
