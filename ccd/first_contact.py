@@ -13,7 +13,7 @@ from ccd.compiling import kernel
 from ccd.rotation import body_axes, turn
 from ccd.separation import best_plane, contact_point, semi_axis_vectors
 from ccd.status import Status
-from ccd.tolerances import EXACT, LAG, ROUNDING, SHOOT_STEPS, SPHERE_MARGIN, TOUCHING
+from ccd.tolerances import EXACT, LAG, CANCELLING, SHOOT_STEPS, SPHERE_MARGIN, TOUCHING
 from ccd.turning_plane import facing, following, holding_span, support_series, swing
 from ccd.vectors import add, add_scaled, cross, dot, norm, scale, subtract
 
@@ -75,7 +75,7 @@ def meeting_window(r, velocity, reach, growing, t_max):
     reach: sum of the radii at t = 0; growing: its rate.
     """
     distance = norm(r)
-    reach += SPHERE_MARGIN * reach + 4 * ROUNDING * distance
+    reach += SPHERE_MARGIN * reach + 4 * CANCELLING * distance
     apart = (distance - reach) * (distance + reach)
     closing = dot(r, velocity) - reach * growing
     opening = dot(velocity, velocity) - growing * growing

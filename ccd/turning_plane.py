@@ -10,7 +10,7 @@ from math import inf, sqrt
 
 from ccd.compiling import kernel
 from ccd.separation import shape_matrix
-from ccd.tolerances import HORIZON_ROUNDS, ROUNDING
+from ccd.tolerances import HORIZON_ROUNDS, CANCELLING
 from ccd.vectors import add, add_scaled, cross, dot, scale, subtract
 
 
@@ -37,8 +37,8 @@ def swing(s, spin):
     once = dot(along, along) - axial * axial
     across = x[0] + x[1] + x[2] - axial
     whole = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + 2 * (x[3] * x[3] + x[4] * x[4] + x[5] * x[5])
-    twice = sqrt(max(0.5 * (whole - axial * axial - 0.5 * across * across) - once, 0.0) + ROUNDING * whole)
-    once = sqrt(max(once, 0.0) + ROUNDING * whole)
+    twice = sqrt(max(0.5 * (whole - axial * axial - 0.5 * across * across) - once, 0.0) + CANCELLING * whole)
+    once = sqrt(max(once, 0.0) + CANCELLING * whole)
     return square * (once + 4 * twice), square * rate * (once + 8 * twice), square * square * (once + 16 * twice)
 
 
