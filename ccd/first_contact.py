@@ -1,10 +1,11 @@
 """First contact of two bodies in free flight: the certified shoot, eqs. (4) to (11) of docs/theory.md.
 
-A direction n held fixed separates the bodies while the gap between the two supporting planes is positive. That gap is bounded from below
-by a parabola in time whose first root is a time before which the bodies cannot touch. Go there, take the best direction again, repeat:
-quadratic convergence to a regular contact (the paper's Sec. 3.3 and Appendix C), always from the safe side.
+A direction separates the bodies while the gap between its two supporting planes is positive. That gap is bounded from below by a parabola
+in time whose first root is a time before which the bodies cannot touch. Go there, take the best direction again, repeat: quadratic
+convergence to a regular contact (the paper's Sec. 3.3 and Appendix C), always from the safe side.
 
-The event engine takes the same steps one at a time: `support_motion`, `gap_motion` and `holding_time` are its predictor.
+The search for a pair carries a direction that turns (turning_plane.py). The event engine, which takes one step at a time and throws most of
+them away, holds the direction fixed: `support_motion`, `gap_motion` and `holding_time` are its predictor.
 """
 
 from math import inf, sqrt
@@ -13,7 +14,7 @@ from ccd.compiling import kernel
 from ccd.rotation import body_axes, turn
 from ccd.separation import best_plane, contact_point, semi_axis_vectors
 from ccd.status import Status
-from ccd.tolerances import EXACT, LAG, CANCELLING, SHOOT_STEPS, SPHERE_MARGIN, TOUCHING
+from ccd.tolerances import CANCELLING, EXACT, LAG, SHOOT_STEPS, SPHERE_MARGIN, TOUCHING
 from ccd.turning_plane import facing, following, holding_span, support_series, swing
 from ccd.vectors import add, add_scaled, cross, dot, norm, scale, subtract
 

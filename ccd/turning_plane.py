@@ -1,4 +1,4 @@
-"""A plane that turns with the motion, and for how long it certainly keeps two flying bodies apart: eqs. (7b) to (8d) of docs/theory.md.
+"""A plane that turns with the motion, and for how long it certainly keeps two flying bodies apart: eqs. (7b) to (8c) of docs/theory.md.
 
 The direction n(t) = n + t m is not kept unit: whatever its length, the bodies are disjoint while n(t).r(t) is more than the sum of their
 supports. With the m of eq. (8b) it follows the best direction to first order, so that a grazing pair is passed in few steps. A support is
@@ -10,7 +10,7 @@ from math import inf, sqrt
 
 from ccd.compiling import kernel
 from ccd.separation import shape_matrix
-from ccd.tolerances import HORIZON_ROUNDS, CANCELLING
+from ccd.tolerances import CANCELLING, HORIZON_ROUNDS
 from ccd.vectors import add, add_scaled, cross, dot, scale, subtract
 
 
@@ -46,7 +46,7 @@ def swing(s, spin):
 def facing(s, size, spin, growth, n):
     """A body as it stands to the unit direction n. -> h, the supporting point c of the body without its size, curvature and drift.
 
-    curvature: H, the second derivative of size * h by n, eq. (8a). drift: what the body's flight adds to the right side of eq. (8b).
+    curvature: H, the second derivative of size * h by n, eq. (8b). drift: what the body's flight adds to the right side of eq. (8b).
     """
     p, q, w = dot(s[0], n), dot(s[1], n), dot(s[2], n)
     h = sqrt(p * p + q * q + w * w)
@@ -74,7 +74,7 @@ def following(face_a, face_b, gap, n, pull):
 
 @kernel
 def support_series(face, flight, n, m):
-    """How size * h moves in the direction n + t m, eq. (7d): (rate, second, third, steady, shrinking, growing, over h).
+    """How size * h moves in the direction n + t m, eq. (7c): (rate, second, third, steady, shrinking, growing, over h).
 
     face: from `facing`; flight: (size, spin, growth).
     """
@@ -92,7 +92,7 @@ def support_series(face, flight, n, m):
 
 @kernel
 def support_bend(series, swing, turning, reach):
-    """A bound on the curvature of size * h up to the time `reach`, eq. (7d): it stays below its tangent + bend t^2 / 2. turning: |m|."""
+    """A bound on the curvature of size * h up to the time `reach`, eq. (7c): it stays below its tangent + bend t^2 / 2. turning: |m|."""
     _, second, third, steady, shrinking, growing, over = series
     length = 1 + 0.5 * (turning * reach) * (turning * reach)
     fourth = over / 24 * (length * length * swing[2] + turning * (8 * length * swing[1] + 12 * turning * swing[0]))
@@ -123,7 +123,7 @@ def holding_span(plane, body_a, body_b, left, guess):
     gap, rate, helping, turning = plane
     (series_a, swing_a), (series_b, swing_b) = body_a, body_b
     low, high = 0.0, min(left, 0.5 / max(-series_a[4], -series_b[4], 1e-300))
-    reach = min(high, guess)
+    reach = min(high, guess if guess > 0.0 else left)
     for _ in range(HORIZON_ROUNDS):
         bend = support_bend(series_a, swing_a, turning, reach) + support_bend(series_b, swing_b, turning, reach) - helping
         root = first_root(gap, rate, bend)
