@@ -115,16 +115,16 @@ def free_flight_contact(a, b, t_max):
         return NO_CONTACT, inf, nowhere, nowhere, 0
     swing_a = swing(semi_axis_vectors(axes_a, body_axes(turn_a)), spin_a)
     swing_b = swing(semi_axis_vectors(axes_b, body_axes(turn_b)), spin_b)
-    pencil_parameter, ahead, guess = norm(axes_a) / (norm(axes_a) + norm(axes_b)), time, end
-    n = add_scaled(start, time, velocity)
+    n, ahead, guess = add_scaled(start, time, velocity), time, end
     for step in range(SHOOT_STEPS):
         turn_a, turn_b = turn(turn_a, spin_a, ahead), turn(turn_b, spin_b, ahead)
         s_a, s_b = semi_axis_vectors(axes_a, body_axes(turn_a)), semi_axis_vectors(axes_b, body_axes(turn_b))
         size_a, size_b = 1 + growth_a * time, 1 + growth_b * time
         r = add_scaled(start, time, velocity)
+        balance, maximised = 0.5, False
         for attempt in range(3):
-            if attempt == 2:
-                n, pencil_parameter, converged = best_plane(scaled(size_a, s_a), scaled(size_b, s_b), r, pencil_parameter, EXACT)
+            if maximised:
+                n, _, converged = best_plane(scaled(size_a, s_a), scaled(size_b, s_b), r, balance, EXACT)
                 if not converged:
                     return UNRESOLVED, time, n, nowhere, step
             else:
@@ -133,12 +133,17 @@ def free_flight_contact(a, b, t_max):
             supports = size_a * face_a[0] + size_b * face_b[0]
             gap = dot(n, r) - supports
             gap_now = max(gap, 0.0)
+            if maximised:
+                break
+            balance = size_a * face_a[0] / supports                 # lambda where n is the best direction of touching bodies, eq. (2)
+            if gap <= TOUCHING * supports:
+                maximised = True
+                continue
             lag = add_scaled(add_scaled(r, -size_a, face_a[1]), -size_b, face_b[1])
             towards = following(face_a, face_b, gap_now, n, lag)
-            if gap > TOUCHING * supports and 0.0 < dot(lag, towards) <= LAG * gap:
+            if 0.0 < dot(lag, towards) <= LAG * gap:
                 break
-            if attempt < 2:
-                n = add(n, towards)
+            n, maximised = add(n, towards), attempt > 0             # one step of Newton, then the pencil
         if time == 0.0 and gap < -TOUCHING * supports:
             return OVERLAPPING, 0.0, n, contact_point(centre_a, scaled(size_a, s_a), r, scaled(size_b, s_b), n), 0
         m = following(face_a, face_b, gap_now, n, add(velocity, add(face_a[3], face_b[3])))

@@ -86,7 +86,7 @@ def support_series(face, flight, n, m):
     rate, bend, over = dot(c, d), dot(c, e), size / h
     turned = times(curvature, d)
     second = dot(turned, d) + size * bend
-    third = dot(turned, e) + over * rate * bend + size / 3 * dot(c, f)
+    third = dot(turned, e) + over * rate * bend + size * (1 / 3) * dot(c, f)
     return size * rate + growth * h, second, third, 2 * growth * rate, rate / h, growth / size, over
 
 
@@ -95,7 +95,7 @@ def support_bend(series, swing, turning, reach):
     """A bound on the curvature of size * h up to the time `reach`, eq. (7c): it stays below its tangent + bend t^2 / 2. turning: |m|."""
     _, second, third, steady, shrinking, growing, over = series
     length = 1 + 0.5 * (turning * reach) * (turning * reach)
-    fourth = over / 24 * (length * length * swing[2] + turning * (8 * length * swing[1] + 12 * turning * swing[0]))
+    fourth = over * (1 / 24) * (length * length * swing[2] + turning * (8 * length * swing[1] + 12 * turning * swing[0]))
     bend = second + max(reach * (third + reach * fourth), 0.0)
     return steady + max(bend, bend * (1 + growing * reach) / (1 + shrinking * reach))
 

@@ -64,5 +64,5 @@ def test_a_solid_with_three_different_axes_is_refused_unless_it_does_not_turn():
     assert not FreeFlight.of_solid(Ellipsoid((1, 2, 3)), (1, 0, 0)).angular_velocity.any()
     with pytest.raises(ValueError, match=r"angular_velocity.*finite"):
         FreeFlight.of_solid(Ellipsoid((1, 1, 3)), (0, 0, 0), (0, 0, np.nan))
-    with pytest.raises(ValueError, match="expected a ccd.Ellipsoid"):
+    with pytest.raises(ValueError, match=r"expected a ccd\.Ellipsoid"):
         FreeFlight.of_solid((1, 1, 3), (0, 0, 0))
