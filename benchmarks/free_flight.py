@@ -2,12 +2,12 @@
 
     python benchmarks/free_flight.py --pairs 4300
 
-Two mixes. hard: half pairs that come near each other (semi-axes log-uniform in 0.15 to 3, 6 apart, spins up to 12 rad a window; about half
-of them touch), half pairs that graze, at touching scales of 1 +- 1e-3, 1e-5 and 1e-7. easy: semi-axes 0.5 to 2, spins up to 3 rad, no grazes.
+Two mixes. hard: half pairs that come near each other (semi-axes log-uniform in 0.15 to 3, 6 apart, spins up to 12 rad a window; about
+half of them touch), half pairs that graze, at touching scales of 1 +- 1e-3, 1e-5 and 1e-7. easy: the first kind only, with semi-axes 0.5 to
+2 and spins up to 3 rad.
 All flights are made by the tests' oracles. Times are CPU times on one core after warm-up, the best of several; `median_ns` is over
 queries each timed by itself many times over, with all that it costs to call a batch. `per_solve`: how many contact functions
-(`ccd.batch.contact_function`, same pairs, one core, same run) take as long as a mean query, whatever the machine's mood. `parallel_ns`: wall
-time a query on all cores.
+(`ccd.batch.contact_function`, same pairs, one core, same run) take as long as a mean query. `parallel_ns`: wall time a query on all cores.
 """
 
 import argparse
