@@ -28,8 +28,8 @@ class FreeFlight:
     def of_solid(cls, ellipsoid, velocity, angular_velocity=(0.0, 0.0, 0.0), growth_rate=0.0):
         """The flight of a free solid ellipsoid of uniform density that at t = 0 turns at angular_velocity (3,), lab frame. -> FreeFlight
 
-        Its surface moves exactly as that of the solid. A solid of revolution precesses: its axis turns about the angular momentum L at the
-        constant rate L / I_perp, which is the angular velocity of the flight; the spin about the axis does not show, eq. (12). For a sphere,
+        Its surface moves exactly as that of the solid. A solid of revolution precesses: its axis turns about the angular momentum L at
+        the constant rate L / I_perp, the angular velocity of this flight; the spin about the axis does not show, eq. (12). For a sphere,
         whose turning does not show at all, it is zero. With growth the rate stays what it is at t = 0, as in every FreeFlight.
 
         ValueError for three different semi-axes, unless the body does not turn: its free rotation is not uniform.
