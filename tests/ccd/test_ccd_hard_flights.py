@@ -90,10 +90,10 @@ def check(a, b, expected, smallest, t_max, precision):
 @pytest.mark.parametrize("make", [generic, growing, alike, needles, plates, equal, needle_and_sphere, scaled(1e-6), scaled(1e6), crossing],
                          ids=lambda make: make.__name__)
 def test_hard_flights_miss_no_contact_and_invent_none(make):
-    a, b, t_max = make(np.random.default_rng(40), 360)
+    a, b, t_max = make(np.random.default_rng(40), 320)
     expected, smallest = dense.first_contact(a, b, t_max, samples=250)
     hit = check(a, b, expected, smallest, t_max, 1e-12)
-    assert 60 < hit.sum() < 360
+    assert hit.sum() > 50
 
 
 def test_bodies_that_come_from_far_away_are_found():
@@ -136,10 +136,10 @@ GRAZING = {"steady": ((0.15, 3), 0.0), "long": ((0.1, 10), 0.0), "growing": ((0.
 def grazes(request):
     """Pairs of touching scale 1 at the deepest point of their flights, well inside the window."""
     axes, growth = GRAZING[request.param]
-    a, b = meeting(np.random.default_rng(43), 40, axes, growth=abs(growth))
+    a, b = meeting(np.random.default_rng(43), 28, axes, growth=abs(growth))
     if growth < 0:
         a.growth_rate, b.growth_rate = -np.abs(a.growth_rate), -np.abs(b.growth_rate)
-    b, time = dense.graze(a, b, 1.0, np.zeros(40), rounds=8)
+    b, time = dense.graze(a, b, 1.0, np.zeros(28), rounds=8)
     regular = (time > 0.05) & (time < 0.95)
     return a.pick(regular), b.pick(regular)
 
@@ -151,7 +151,7 @@ def test_grazing_flights_of_every_kind_are_told_apart(grazes, depth):
         b, _ = dense.graze(a, at_zero, 1.0, np.full(len(a), sign * depth), rounds=3, samples=120)
         deepest = dense.deepest(a, b, 1.0)[1]
         as_asked = np.abs(deepest - (1 - sign * depth)) < 1e-2 * depth
-        assert as_asked.sum() > 15
+        assert as_asked.sum() > 12
         one, other = a.pick(as_asked), b.pick(as_asked)
         expected, _ = dense.first_contact(one, other, 1.0, samples=200)
         hit = np.isfinite(expected)
@@ -180,7 +180,7 @@ def test_a_graze_of_a_billionth_is_one_to_many_digits(sign):
     b, _ = dense.graze(a, b, 1.0, np.full(16, sign * 1e-9), rounds=14)
     time, _ = dense.deepest(a, b, 1.0)
     seen, step = 0, 1e-4
-    for k in np.flatnonzero((time > 0.05) & (time < 0.95))[:6]:
+    for k in np.flatnonzero((time > 0.05) & (time < 0.95))[:4]:
         low, middle, high = (exact_scale(a, b, k, time[k] + shift) - 1 for shift in (-step, 0, step))
         bend = low + high - 2 * middle
         vertex = float(middle - (high - low) ** 2 / (8 * bend))
@@ -190,4 +190,4 @@ def test_a_graze_of_a_billionth_is_one_to_many_digits(sign):
         assert found.status == (Status.CONTACT if sign > 0 else Status.NO_CONTACT)
         assert found.reason == ""
         seen += 1
-    assert seen > 3
+    assert seen == 4
