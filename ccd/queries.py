@@ -13,7 +13,7 @@ from ccd.quaternions import products, rotations
 from ccd.rotation import body_axes
 from ccd.separation import contact_function, contact_point, normal, relative_pose, semi_axis_vectors, shape_matrix, support
 from ccd.status import State, Status
-from ccd.tolerances import SHARP, TOUCHING_STATE
+from ccd.tolerances import SHARP, SHOOT_STEPS, TOUCHING_STATE
 from ccd.vectors import dot, subtract
 
 
@@ -62,7 +62,15 @@ def first_contact(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
                                                         _flight("motion_b", b, motion_b, start, end), end - start)
     if status == Status.NO_CONTACT:
         n = point = (np.nan,) * 3
-    return Contact(Status(status), start + time, np.array(point), np.array(n), steps)
+    return Contact(Status(status), start + time, np.array(point), np.array(n), steps, _reason(status, start + time, steps))
+
+
+def _reason(status, time, steps):
+    if status != Status.UNRESOLVED:
+        return ""
+    if steps < SHOOT_STEPS:
+        return f"at time {time} the pencil of the two shapes cannot be maximised in double precision; they do not touch before"
+    return f"no decision after {steps} steps of the shoot, which have come to time {time}; the bodies do not touch before"
 
 
 def contact_intervals(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):

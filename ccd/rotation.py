@@ -26,8 +26,10 @@ def _cos_and_sinc(square):
     """cos x and sin x / x from x squared. Flights between events turn a body by little: the series saves two library calls."""
     z = square
     if z < SERIES_BELOW:
-        c = 1 - z / 2 * (1 - z / 12 * (1 - z / 30 * (1 - z / 56 * (1 - z / 90 * (1 - z / 132 * (1 - z / 182))))))
-        s = 1 - z / 6 * (1 - z / 20 * (1 - z / 42 * (1 - z / 72 * (1 - z / 110 * (1 - z / 156 * (1 - z / 210))))))
+        c = 1 - z * (1 / 2 - z * (1 / 24 - z * (1 / 720 - z * (1 / 40320 - z * (1 / 3628800 - z * (1 / 479001600
+            - z * (1 / 87178291200)))))))
+        s = 1 - z * (1 / 6 - z * (1 / 120 - z * (1 / 5040 - z * (1 / 362880 - z * (1 / 39916800 - z * (1 / 6227020800
+            - z * (1 / 1307674368000)))))))
         return c, s
     x = sqrt(z)
     return cos(x), sin(x) / x

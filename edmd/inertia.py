@@ -3,13 +3,8 @@
 import numpy as np
 
 from ccd import checks
+from ccd.precession import symmetry_axes, turning_of_shape
 from ccd.quaternions import to_lab
-
-
-def symmetry_axes(semi_axes):
-    """(n,): 0, 1, 2 for bodies of revolution about that axis, 3 for three different axes, 4 for spheres."""
-    a, b, c = semi_axes.T
-    return np.where((a == b) & (b == c), 4, np.where(a == b, 2, np.where(a == c, 1, np.where(b == c, 0, 3))))
 
 
 def rotational_degrees(semi_axes):
@@ -54,9 +49,8 @@ def shape_turning(system):
     axis, u = axis_directions(system)
     n = np.arange(system.n)
     along, across = system.moments[n, axis], system.moments[n, (axis + 1) % 3]
-    w_along = (system.angular_velocities * u).sum(axis=1)
-    turning = system.angular_velocities + ((along / across - 1) * w_along)[:, None] * u
-    return turning, across, (1 - along / across) * w_along
+    turning = turning_of_shape(system.angular_velocities, u, along, across)
+    return turning, across, (1 - along / across) * (system.angular_velocities * u).sum(axis=1)
 
 
 def axis_directions(system):

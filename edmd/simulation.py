@@ -8,12 +8,13 @@ from zipfile import BadZipFile
 import numpy as np
 
 from ccd import checks
+from ccd.precession import symmetry_axes
 from ccd.quaternions import products, rotations, to_lab
 from edmd import building, epoch, state
 from edmd.averages import Interval, Means
 from edmd.engine import advance_events
 from edmd.events import Ended
-from edmd.inertia import axis_directions, degrees_of_freedom, shape_turning, symmetry_axes
+from edmd.inertia import axis_directions, degrees_of_freedom, shape_turning
 from edmd.observers import View, reached
 from edmd.ordering import spatial_order
 from edmd.outputs import check_output

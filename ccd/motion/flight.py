@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ccd import checks
+from ccd.ellipsoid import Ellipsoid
+from ccd.precession import NO_AXIS, SPHERE, symmetry_axes, turning_of_shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +23,32 @@ class FreeFlight:
             value.flags.writeable = False
             object.__setattr__(self, name, value)
         object.__setattr__(self, "growth_rate", checks.real_number("growth_rate", self.growth_rate))
+
+    @classmethod
+    def of_solid(cls, ellipsoid, velocity, angular_velocity=(0.0, 0.0, 0.0), growth_rate=0.0):
+        """The flight of a free solid ellipsoid of uniform density that at t = 0 turns at angular_velocity (3,), lab frame. -> FreeFlight
+
+        Its surface moves exactly as that of the solid. A solid of revolution precesses: its axis turns about the angular momentum L at
+        the constant rate L / I_perp, the angular velocity of this flight; the spin about the axis does not show, eq. (12). For a sphere,
+        whose turning does not show at all, it is zero. With growth the rate stays what it is at t = 0, as in every FreeFlight.
+
+        ValueError for three different semi-axes, unless the body does not turn: its free rotation is not uniform.
+        """
+        if not isinstance(ellipsoid, Ellipsoid):
+            raise ValueError(f"ellipsoid = {ellipsoid!r}: expected a ccd.Ellipsoid")
+        spin = checks.real_array("angular_velocity", angular_velocity, (3,), "three components")
+        axis = symmetry_axes(ellipsoid.semi_axes[None])[0]
+        if axis == NO_AXIS and spin.any():
+            raise ValueError(f"ellipsoid.semi_axes = {ellipsoid.semi_axes.tolist()}: the free rotation of a solid with three different "
+                             "semi-axes is not a uniform rotation; expected two or three equal ones, or no angular_velocity")
+        if axis == SPHERE:
+            turning = np.zeros(3)
+        elif axis == NO_AXIS:
+            turning = spin
+        else:
+            moments = ellipsoid.inertia()
+            turning = turning_of_shape(spin[None], ellipsoid.rotation_matrix[None, :, axis], moments[axis], moments[axis - 1])[0]
+        return cls(velocity, turning, growth_rate)
 
 
 def Rest():

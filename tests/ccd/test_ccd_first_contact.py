@@ -4,13 +4,15 @@ import json
 from pathlib import Path
 
 import dense
+import numba
 import numpy as np
 import pytest
 import reference
 from pairs import bodies, meeting, single
 
 import ccd
-from ccd import Ellipsoid, FreeFlight, Rest, Status
+from ccd import Ellipsoid, FreeFlight, Rest, Status, queries
+from ccd.tolerances import SHOOT_STEPS
 
 COLLISIONS = json.loads((Path(dense.__file__).parent / "collisions.json").read_text())
 UPRIGHT = (1, 0, 0, 0)
@@ -288,6 +290,31 @@ def test_a_batch_does_not_depend_on_its_order_size_or_the_run():
     np.testing.assert_array_equal(shuffled[1], status[order])
     np.testing.assert_array_equal(ccd.batch.first_contact(bodies(a.pick(slice(7))), bodies(b.pick(slice(7))), 1.0)[0], time[:7])
     np.testing.assert_array_equal(ccd.batch.first_contact(bodies(a), bodies(b), 1.0)[0], time)
+
+
+def test_a_batch_gives_the_same_bits_on_any_number_of_threads():
+    a, b = meeting(np.random.default_rng(22), 500, growth=0.2)
+    together = ccd.batch.first_contact(bodies(a), bodies(b))
+    threads = numba.get_num_threads()
+    try:
+        for fewer in range(1, threads + 1):
+            numba.set_num_threads(fewer)
+            time, status = ccd.batch.first_contact(bodies(a), bodies(b))
+            np.testing.assert_array_equal(time, together[0])
+            np.testing.assert_array_equal(status, together[1])
+    finally:
+        numba.set_num_threads(threads)
+
+
+def test_what_stays_unresolved_says_where_and_why():
+    """A speck 1e-40 small: float64 cannot hold the pencil parameter. It is said where the two meet, not guessed how."""
+    speck = Ellipsoid((1e-40, 2e-40, 1e-40))
+    found = ccd.first_contact(speck, FreeFlight((0.1, 0, 0), (1, 2, 3)),
+                              Ellipsoid((1, 2, 1), (0.3, 3, 0)), FreeFlight((0, -2, 0), (0, 0.3, 1)))
+    assert found.status == Status.UNRESOLVED
+    assert f"at time {found.time} the pencil" in found.reason
+    assert "steps" in queries._reason(Status.UNRESOLVED, 0.25, SHOOT_STEPS)
+    assert queries._reason(Status.CONTACT, 0.25, 3) == ""
 
 
 def test_an_empty_batch_has_no_contacts():
