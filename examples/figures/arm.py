@@ -1,7 +1,7 @@
 """A robot arm of ten ellipsoids and an I-shaped obstacle of three, after Sec. 4.2 of the paper.
 
-An arm in the manner of a CRS F3: the waist turns about the vertical, shoulder and elbow about horizontal axes, the wrist is held. Lengths are
-metres, z is up. A joint's Euler parameters are linear in t, its rotation matrix has degree 2; a link behind k joints has rotations and
+An arm in the manner of a CRS F3: the waist turns about the vertical, shoulder and elbow about horizontal axes, the wrist is held.
+Lengths are metres, z is up. A joint's Euler parameters are linear in t, its rotation matrix has degree 2; a link behind k joints has rotations and
 translations of degree 2 k, composed exactly.
 
 A polynomial is an array whose last axis holds its coefficients, in the power basis.
@@ -94,3 +94,9 @@ def motion(link):
 def ellipsoid(link):
     """The Ellipsoid of a link; only before all joints does its centre count."""
     return ccd.Ellipsoid(link.semi_axes, link.center if link.joints == 0 else (0, 0, 0))
+
+
+def pairs():
+    """The 30 pairs of the paper's Table 2: ((name of the obstacle, number of the link), (obstacle, its motion, link, its motion))."""
+    links = [(ellipsoid(link), motion(link)) for link in LINKS]
+    return [((name, k), (obstacle, ccd.Rest(), *link)) for name, obstacle in OBSTACLES.items() for k, link in enumerate(links)]

@@ -1,7 +1,7 @@
 """Two boxers of twenty ellipsoids each, after Sec. 4.1 of the paper, whose motion capture data are not available.
 
-Lengths are metres, times seconds; z is up. In a boxer's own frame x points to the opponent and y to the left. Feet, pelvis and gloves follow
-smooth paths; knees and elbows follow from them. The fight is written as a score: one letter a beat.
+Lengths are metres, times seconds; z is up. In a boxer's own frame x points to the opponent and y to the left. Feet, pelvis and gloves
+follow smooth paths; knees and elbows follow from them. The fight is written as a score: one letter a beat.
 """
 
 from typing import NamedTuple
@@ -118,7 +118,7 @@ def torso(time, corner):
     low = pulses(time, corner, "b", 0.42)
     sway = np.sin(2.3 * time + 2 * corner)
     height = 0.85 + 0.015 * np.sin(9.5 * time + corner) - 0.17 * duck - 0.08 * low
-    origin = ground + np.column_stack([0 * time, 0 * time, height]) + facing.apply(np.column_stack([0.06 * (lead + rear), 0.04 * sway, 0 * time]))
+    origin = ground + facing.apply(np.column_stack([0.06 * (lead + rear), 0.04 * sway, height]))
     pelvis = Bone(origin, facing * euler(-0.45 + 0.30 * rear - 0.10 * lead, 0.10 + 0.20 * duck, 0 * time))
     spine = Bone(pelvis.at((0, 0, 0.09)), pelvis.rotation * euler(0.20 * rear - 0.10 * lead, 0.12 + 0.25 * duck + 0.2 * low, 0.07 * sway))
     chest = Bone(spine.at((0, 0, 0.15)), spine.rotation * euler(0.30 * rear - 0.15 * lead, 0.08 + 0.20 * duck, 0.10 * sway))

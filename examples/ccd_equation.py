@@ -1,0 +1,142 @@
+"""The CCD equation F(u, t) = 0 of two moving ellipsoids, its zero set and its intervals: Examples 1 and 2 of the paper (Sec. 4.3).
+
+F(u, t) > 0 for some u in (0, 1) means: separate at time t. Where no u does it, the bodies overlap.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+import ccd
+from figures.drawing import moved, save_row, scene
+
+ROOT2 = np.sqrt(2)
+SEPARATE, CRITICAL, SHOOT = "#cfe0f2", "#c81e1e", "#b36b00"
+ARROW = {"arrowstyle": "-|>", "color": SHOOT, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.3}
+BODIES = ((0.72, -0.03, -0.09), (0.82, 0.01, 0.10))         # OKLab
+INSTANTS = (0.0, 0.04, 0.15, 0.31, 0.5, 0.69, 0.86)
+
+
+def example_1():
+    """Example 1 of the paper, which prints the rotation matrices; from them these Euler parameters. First contact at t = 1/2."""
+    a, b = ccd.Ellipsoid((2, 4, 2)), ccd.Ellipsoid((1, 3, 4))
+    turn_a = [[1, 0], [0, 0], [-1, 2], [-1, 2]]
+    path_a = [[-2, -6, 24, -8], [-6, 6, 24, -24], [-2, -12, 48, -32]]
+    turn_b = [[-1, 2], [1, ROOT2], [1 + ROOT2, -2 - 2 * ROOT2], [-1 - ROOT2, 2 + ROOT2]]
+    path_b = [[-27 + 24 * ROOT2, 114 - 72 * ROOT2, -156 + 72 * ROOT2, 72 - 24 * ROOT2], [-6, 12, 0, 0],
+              [-26 + 24 * ROOT2, 114 - 72 * ROOT2, -168 + 72 * ROOT2, 88 - 24 * ROOT2]]
+    return a, ccd.RationalMotion(turn_a, path_a), b, ccd.RationalMotion(turn_b, path_b)
+
+
+def example_2():
+    """Two unit spheres under affine motions of degree 4, as the paper's Example 2, whose motion it does not give.
+
+    Both become ellipsoids and change their shapes all the time. B swings through A four times, along 3 T4(2 t - 1) in x, where T4 is the
+    fourth Chebyshev polynomial.
+    """
+    zero = [0, 0, 0, 0, 0]
+    linear_a = [[[0.6, 1.6, 0, 0, -0.8], zero, zero],
+                [[0, 1.5, 0, 0, -1.5], [1.6, -2, 0, 0, 1.2], zero],
+                [zero, zero, [0.8, 0, 0, 0, 0.4]]]
+    linear_b = [[[0.9, 0, -1.6, 0, 1.2], [0, -0.8, 0, 0, 0.8], zero],
+                [zero, [0.8, 1, 0, 0, -0.8], zero],
+                [zero, [-0.5, 0, 0, 0, 1], [1.2, -0.8, 0, 0, 0.4]]]
+    path_b = [[3, -96, 480, -768, 384], [0.5, 0, -1, 0, 0], [-0.3, 0, 0, 0, 0.6]]
+    sphere = ccd.Ellipsoid((1, 1, 1))
+    return sphere, ccd.AffineMotion(linear_a, np.zeros((3, 1))), sphere, ccd.AffineMotion(linear_b, path_b)
+
+
+def best_u(equation, t):
+    """The u that maximises F(u, t), and that maximum."""
+    found = minimize_scalar(lambda u: -equation(u, t), bounds=(0, 1), method="bounded", options={"xatol": 1e-10})
+    return found.x, -found.fun
+
+
+def shoot(equation, start, end):
+    """A Bézier shoot from `start` towards `end`: the best u at the start, and how far F(u, t) > 0 holds. -> u, time."""
+    u, _ = best_u(equation, start)
+    times = np.linspace(start, end, 2001)
+    closed = np.flatnonzero(np.array([equation(u, t) for t in times[1:]]) <= 0)
+    return u, brentq(lambda t: equation(u, t), *times[closed[0]:closed[0] + 2], xtol=1e-15) if len(closed) else end
+
+
+def recursive_shoots(equation, start, end, most=8):
+    """Shoots from `start` towards `end`, each from where the last one came to, until they no longer move. -> [(u, from, to), ...]"""
+    steps = []
+    while len(steps) < most and start != end and best_u(equation, start)[1] > 0:
+        u, reached = shoot(equation, start, end)
+        steps.append((u, start, reached))
+        if abs(reached - start) < 1e-9:
+            break
+        start = reached
+    return steps
+
+
+def draw(axes, equation, intervals, t_span, shoots=()):
+    """The zero set of F, u to the right and t up; overlapping intervals beside it; critical points and Bézier shoots."""
+    u, t = np.linspace(0, 1, 401), np.linspace(*t_span, 1201)
+    F = np.array([[equation(x, y) for x in u] for y in t])
+    F /= np.abs(F).max(axis=1, keepdims=True)
+    axes.contourf(u, t, F, levels=[0, 1], colors=[SEPARATE])
+    axes.contour(u, t, F, levels=[0], colors="black", linewidths=1)
+    for x, start, end in shoots:
+        axes.annotate("", (x, end), (x, start), arrowprops=ARROW)
+    overlaps = [interval for interval in intervals if interval.state == ccd.State.OVERLAPPING]
+    for interval in overlaps:
+        axes.plot([1.04, 1.04], [interval.start, interval.end], color=CRITICAL, linewidth=4, solid_capstyle="butt", clip_on=False)
+        critical = [end for end in (interval.start, interval.end) if t_span[0] < end < t_span[1]]
+        axes.plot([best_u(equation, end)[0] for end in critical], critical, "o", color=CRITICAL, markersize=4)
+    axes.set(xlabel="u", ylabel="t", xlim=(0, 1), ylim=t_span)
+
+
+def solved(bodies, t_span):
+    """The intervals of an example, printed with the time that they take, the best of ten."""
+    seconds = []
+    for _ in range(10):
+        began = time.process_time()
+        intervals = ccd.contact_intervals(*bodies, t_span)
+        seconds.append(time.process_time() - began)
+    overlaps = [f"[{interval.start:.10f}, {interval.end:.10f}]" for interval in intervals if interval.state == ccd.State.OVERLAPPING]
+    print(f"  t in [{t_span[0]}, {t_span[1]}]: {len(overlaps)} overlapping: {', '.join(overlaps)}   ({1e3 * min(seconds):.2f} ms)")
+    return intervals
+
+
+def portrait(bodies, t):
+    """The two bodies at time t, red where they overlap."""
+    a, motion_a, b, motion_b = bodies
+    overlap = best_u(ccd.CCDEquation(*bodies), t)[1] < 0
+    return scene(moved((a, b), (motion_a, motion_b), t), BODIES, (0, 1) if overlap else (), (0.3, -1.0, 0.5), (260, 200))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--folder", type=Path, default=Path("ccd_equation"), help="where the pictures go")
+    options = parser.parse_args()
+    options.folder.mkdir(exist_ok=True)
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    zero_sets, bodies_2 = options.folder / "zero_sets.png", options.folder / "example_2.png"
+    figure, panels = plt.subplots(1, 3, figsize=(10, 4), layout="constrained")
+    panels = iter(panels)
+    for name, bodies, spans in (("Example 1", example_1(), {(0, 1): [(0, 1)], (-2, 3): []}),
+                                ("Example 2", example_2(), {(0, 1): [(0.55, 1), (0.55, 0)]})):
+        equation, contact = ccd.CCDEquation(*bodies), ccd.first_contact(*bodies)
+        print(f"{name}: F has degree {equation.degree_t} in t, {equation.minimal_degree_t} without common factors")
+        print(f"  first contact at t = {contact.time:.15g}, at {np.round(contact.point, 12)}")
+        for t_span, shoots in spans.items():
+            axes = next(panels)
+            drawn = [step for start, end in shoots for step in recursive_shoots(equation, start, end)]
+            draw(axes, equation, solved(bodies, t_span), t_span, drawn)
+            axes.set_title(f"{name}, t in [{t_span[0]}, {t_span[1]}]", fontsize=10)
+    figure.savefig(zero_sets, dpi=110)
+    save_row([portrait(example_2(), t) for t in INSTANTS], bodies_2)
+    print(f"\nzero sets  {zero_sets}\nbodies     {bodies_2}")
+
+
+if __name__ == "__main__":
+    main()
