@@ -1,8 +1,8 @@
 """A robot arm of ten ellipsoids and an I-shaped obstacle of three, after Sec. 4.2 of the paper.
 
-An arm in the manner of a CRS F3: the waist turns about the vertical, shoulder and elbow about horizontal axes, the wrist is held.
-Lengths are metres, z is up. A joint's Euler parameters are linear in t, its rotation matrix has degree 2; a link behind k joints has rotations and
-translations of degree 2 k, composed exactly.
+An arm in the manner of a CRS F3: the waist turns about the vertical, shoulder and elbow about horizontal axes, the wrist is held. Lengths
+are metres, z is up. A joint's Euler parameters are linear in t, its rotation matrix has degree 2; a link behind k joints has rotations
+and translations of degree 2 k, composed exactly.
 
 A polynomial is an array whose last axis holds its coefficients, in the power basis.
 """

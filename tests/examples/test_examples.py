@@ -1,0 +1,193 @@
+"""The examples that go with the paper: their figures move as they promise, each runs and leaves its files."""
+
+import sys
+
+import boxers
+import ccd_equation
+import numpy as np
+import pytest
+import robot_arm
+from dense import contact_function_and_normal
+from figures import arm, boxing
+from numpy.polynomial.polynomial import polyval
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+
+import ccd
+
+TIMES = np.array([0.0, 0.137, 0.5, 0.731, 1.0])
+
+
+# independent of ccd
+
+def rational(numerator, t, denominator=(1.0,)):
+    """Rational functions with coefficients (..., k + 1) at one time."""
+    return polyval(t, np.moveaxis(np.asarray(numerator, dtype=float), -1, 0)) / polyval(t, np.asarray(denominator, dtype=float))
+
+
+def lab_pose(ellipsoid, motion, t):
+    """Centre (3,) and semi-axis vectors (3, 3), as columns."""
+    if isinstance(motion, ccd.RationalMotion):
+        turn = Rotation.from_quat(np.roll(rational(motion.rotation, t), -1)).as_matrix()
+        return rational(motion.translation, t, motion.denominator), turn * ellipsoid.semi_axes
+    if isinstance(motion, ccd.AffineMotion):
+        return rational(motion.translation, t, motion.denominator), rational(motion.linear, t, motion.denominator) * ellipsoid.semi_axes
+    return ellipsoid.center, np.diag(ellipsoid.semi_axes)
+
+
+def contact_function(pair, t):
+    a, motion_a, b, motion_b = pair
+    (center_a, axes_a), (center_b, axes_b) = lab_pose(a, motion_a, t), lab_pose(b, motion_b, t)
+    return contact_function_and_normal((center_b - center_a)[None], axes_a[None], axes_b[None])[0][0]
+
+
+def overlaps_by_sampling(pair, samples=401):
+    """Ends of the overlapping intervals within (0, 1), by looking at many times."""
+    times = np.linspace(0, 1, samples)
+    excess = np.array([contact_function(pair, t) - 1 for t in times])
+    crossed = np.flatnonzero(excess[1:] * excess[:-1] < 0)
+    return [brentq(lambda t: contact_function(pair, t) - 1, times[k], times[k + 1], xtol=1e-13) for k in crossed]
+
+
+def ends(intervals):
+    return [end for each in intervals if each.state == ccd.State.OVERLAPPING for end in (each.start, each.end)]
+
+
+# the boxers
+
+@pytest.fixture(scope="module")
+def fight():
+    return boxing.boxing(1000)
+
+
+def test_two_boxers_of_twenty_ellipsoids(fight):
+    for boxer in fight:
+        assert boxer.semi_axes.shape == (20, 3)
+        assert boxer.center.shape == (1000, 20, 3)
+        assert boxer.orientation.shape == (1000, 20, 4)
+        np.testing.assert_allclose(np.linalg.norm(boxer.orientation, axis=2), 1, atol=1e-14)
+
+
+def test_no_quaternion_jumps_and_no_part_leaps(fight):
+    for boxer in fight:
+        assert (np.einsum("fpk,fpk->fp", boxer.orientation[1:], boxer.orientation[:-1]) > 0.98).all()
+        assert np.linalg.norm(np.diff(boxer.center, axis=0), axis=2).max() < 0.15
+
+
+def test_limbs_stay_in_their_joints(fight):
+    for boxer in fight:
+        for side in ("left", "right"):
+            for first, second, lengths in (("upper arm", "forearm", boxing.ARM), ("thigh", "shin", boxing.LEG)):
+                joint = [point_on_limb(boxer, f"{side} {name}", along) for name, along in ((first, lengths[0]), (second, 0.0))]
+                np.testing.assert_allclose(*joint, atol=1e-12)
+
+
+def point_on_limb(boxer, name, along):
+    """The point of the limb's bone at this distance from its upper joint, in all frames (frames, 3)."""
+    k = boxing.NAMES.index(name)
+    turn = Rotation.from_quat(np.roll(boxer.orientation[:, k], -1, axis=1))
+    return boxer.center[:, k] + turn.apply([0, 0, along - boxing.PARTS[name].center[2]])
+
+
+def test_the_feet_stay_on_the_floor(fight):
+    feet = [boxing.NAMES.index(f"{side} foot") for side in ("left", "right")]
+    for boxer in fight:
+        height = boxer.center[:, feet, 2] - boxer.semi_axes[feet, 2]
+        assert height.min() > -0.01
+        assert height.max() < 0.06
+
+
+def test_a_short_fight_is_the_beginning_of_a_long_one(fight):
+    for boxer, same in zip(fight, boxing.boxing(40)):
+        np.testing.assert_allclose(boxer.center[:40], same.center, atol=1e-14)
+        np.testing.assert_allclose(boxer.orientation[:40], same.orientation, atol=1e-14)
+
+
+# the arm
+
+def homogeneous(joint, t):
+    """The joint's matrix (4, 4), from its angles alone."""
+    start, end = np.radians([joint.start, joint.end]) / 2
+    half = np.arctan2((1 - t) * np.sin(start) + t * np.sin(end), (1 - t) * np.cos(start) + t * np.cos(end))
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = Rotation.from_rotvec(2 * half * np.array(joint.axis)).as_matrix(), joint.position
+    return matrix
+
+
+@pytest.mark.parametrize("t", TIMES)
+def test_links_move_with_their_joints(t):
+    for link in arm.LINKS:
+        pose = np.eye(4)
+        for joint in arm.JOINTS[:link.joints]:
+            pose = pose @ homogeneous(joint, t)
+        center, axes = lab_pose(arm.ellipsoid(link), arm.motion(link), t)
+        np.testing.assert_allclose(center, (pose @ [*link.center, 1])[:3], atol=1e-13)
+        np.testing.assert_allclose(axes, pose[:3, :3] * link.semi_axes, atol=1e-13)
+
+
+def test_degrees_of_the_arm_are_those_of_the_paper():
+    assert [getattr(arm.motion(link), "degree", 0) for link in arm.LINKS] == [0, 2, 2, 2, 4, 4, 6, 6, 6, 6]
+
+
+def test_joints_turn_from_angle_to_angle():
+    for joint in arm.JOINTS:
+        turns = [Rotation.from_quat(np.roll(joint.quaternion @ [1, t], -1)).as_rotvec() for t in (0, 1)]
+        np.testing.assert_allclose(turns, np.radians([[joint.start], [joint.end]]) * np.array(joint.axis), atol=1e-14)
+
+
+def test_three_pairs_of_thirty_collide_and_one_of_them_twice():
+    found = {names: ends(ccd.contact_intervals(*pair)) for names, pair in arm.pairs()}
+    assert len(found) == 30
+    assert {names: len(times) // 2 for names, times in found.items() if times} == {("W", 6): 1, ("W", 7): 2, ("W", 9): 1}
+    for names, pair in arm.pairs():
+        np.testing.assert_allclose(found[names], overlaps_by_sampling(pair, 101), atol=1e-10)
+
+
+# the CCD equation
+
+@pytest.mark.parametrize("t", TIMES)
+def test_example_1_moves_as_the_paper_prints_it(t):
+    _, motion_a, _, motion_b = ccd_equation.example_1()
+    root2 = np.sqrt(2)
+    turn_a = np.array([[-(8*t**2 - 8*t + 1), -2*(2*t - 1), 2*(2*t - 1)], [2*(2*t - 1), 1, 2*(2*t - 1)**2],
+                       [-2*(2*t - 1), 2*(2*t - 1)**2, 1]]) / (8*t**2 - 8*t + 3)
+    turn_b = np.array([[root2*(t - 1)*(3*t - 1), 2*t*(2*t - 1), root2*(t - 1)**2], [root2*(2*t - 1), -2*t*(t - 1), root2*(2*t - 1)**2],
+                       [-root2*t*(3*t - 2), 2*(2*t - 1)*(t - 1), root2*t**2]]) / (-2*(3*t**2 - 3*t + 1))
+    path_a = [-8*t**3 + 24*t**2 - 6*t - 2, -24*t**3 + 24*t**2 + 6*t - 6, -32*t**3 + 48*t**2 - 12*t - 2]
+    path_b = [(72 - 24*root2)*t**3 + (-156 + 72*root2)*t**2 + (114 - 72*root2)*t - 27 + 24*root2, 12*t - 6,
+              (88 - 24*root2)*t**3 + (-168 + 72*root2)*t**2 + (114 - 72*root2)*t - 26 + 24*root2]
+    for motion, turn, path in ((motion_a, turn_a, path_a), (motion_b, turn_b, path_b)):
+        center, axes = lab_pose(ccd.Ellipsoid((1, 1, 1)), motion, t)
+        np.testing.assert_allclose(axes, turn, atol=1e-14)
+        np.testing.assert_allclose(center, path, atol=1e-13)
+
+
+def test_example_2_overlaps_four_times_under_motions_of_degree_4():
+    pair = ccd_equation.example_2()
+    assert (pair[1].degree, pair[3].degree) == (4, 4)
+    found = ends(ccd.contact_intervals(*pair))
+    assert len(found) == 8
+    np.testing.assert_allclose(found, overlaps_by_sampling(pair), atol=1e-10)
+
+
+def test_shoots_stop_at_the_first_contact():
+    equation = ccd.CCDEquation(*ccd_equation.example_1())
+    steps = ccd_equation.recursive_shoots(equation, 0.0, 1.0)
+    errors = [abs(0.5 - reached) for *_, reached in steps[:3]]
+    np.testing.assert_allclose(errors[:2], [0.0175, 6.3e-6], rtol=0.02)        # quadratic, Appendix C
+    assert errors[2] < 1e-12
+
+
+# the scripts
+
+@pytest.mark.parametrize(("script", "arguments", "files", "said"), [
+    (boxers, ["--frames", "40"], ["boxers.png"], "rigid motion, setup 1"),
+    (robot_arm, [], ["robot_arm.png"], "W-7"),
+    (ccd_equation, [], ["zero_sets.png", "example_2.png"], "Example 2: F has degree"),
+], ids=lambda value: getattr(value, "__name__", None))
+def test_each_example_runs_and_leaves_its_files(script, arguments, files, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", [script.__name__, "--folder", str(tmp_path / "out"), *arguments])
+    script.main()
+    assert said in capsys.readouterr().out
+    for file in files:
+        assert (tmp_path / "out" / file).read_bytes().startswith(b"\x89PNG")
