@@ -17,8 +17,9 @@ from figures.drawing import moved, save_row, scene
 ROOT2 = np.sqrt(2)
 SEPARATE, CRITICAL, SHOOT = "#cfe0f2", "#c81e1e", "#b36b00"
 ARROW = {"arrowstyle": "-|>", "color": SHOOT, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.3}
-BODIES = ((0.72, -0.03, -0.09), (0.82, 0.01, 0.10))         # OKLab
+BODIES = ((0.68, -0.03, -0.10), (0.86, 0.01, 0.10))         # OKLab
 INSTANTS = (0.0, 0.04, 0.15, 0.31, 0.5, 0.69, 0.86)
+VIEW, PICTURE, FLOOR = (0.3, -1.0, 0.5), (220, 165), (0, 0, -2, 4)
 
 
 def example_1():
@@ -60,7 +61,7 @@ def shoot(equation, start, end):
     """A Bézier shoot from `start` towards `end`: the best u at the start, and how far F(u, t) > 0 holds. -> u, time."""
     u, _ = best_u(equation, start)
     times = np.linspace(start, end, 2001)
-    closed = np.flatnonzero(np.array([equation(u, t) for t in times[1:]]) <= 0)
+    closed = np.flatnonzero(equation(u, times[1:]) <= 0)
     return u, brentq(lambda t: equation(u, t), *times[closed[0]:closed[0] + 2], xtol=1e-15) if len(closed) else end
 
 
@@ -76,40 +77,46 @@ def recursive_shoots(equation, start, end, most=8):
     return steps
 
 
-def draw(axes, equation, intervals, t_span, shoots=()):
-    """The zero set of F, u to the right and t up; overlapping intervals beside it; critical points and Bézier shoots."""
-    u, t = np.linspace(0, 1, 401), np.linspace(*t_span, 1201)
-    F = np.array([[equation(x, y) for x in u] for y in t])
-    F /= np.abs(F).max(axis=1, keepdims=True)
-    axes.contourf(u, t, F, levels=[0, 1], colors=[SEPARATE])
-    axes.contour(u, t, F, levels=[0], colors="black", linewidths=1)
-    for x, start, end in shoots:
-        axes.annotate("", (x, end), (x, start), arrowprops=ARROW)
+def draw(axes, equations, intervals, shoots):
+    """The zero set of F, u to the right and t up; overlapping intervals beside it; critical points and Bézier shoots.
+
+    F comes as one equation for each unit of time: over a long span of high degree double precision cannot hold it.
+    """
     overlaps = [interval for interval in intervals if interval.state == ccd.State.OVERLAPPING]
+    for equation in equations:
+        low, high = equation.t_span
+        u, t = np.linspace(0, 1, 401), np.linspace(low, high, 601)
+        F = equation(u, t[:, None])
+        F /= np.abs(F).max(axis=1, keepdims=True)
+        axes.contourf(u, t, F, levels=[0, 1], colors=[SEPARATE])
+        axes.contour(u, t, F, levels=[0], colors="black", linewidths=1)
+        critical = [end for interval in overlaps for end in (interval.start, interval.end) if low < end < high]
+        axes.plot([best_u(equation, end)[0] for end in critical], critical, "o", color=CRITICAL, markersize=4)
+    for u, start, end in shoots:
+        axes.annotate("", (u, end), (u, start), arrowprops=ARROW)
     for interval in overlaps:
         axes.plot([1.04, 1.04], [interval.start, interval.end], color=CRITICAL, linewidth=4, solid_capstyle="butt", clip_on=False)
-        critical = [end for end in (interval.start, interval.end) if t_span[0] < end < t_span[1]]
-        axes.plot([best_u(equation, end)[0] for end in critical], critical, "o", color=CRITICAL, markersize=4)
-    axes.set(xlabel="u", ylabel="t", xlim=(0, 1), ylim=t_span)
+    axes.set(xlabel="u", ylabel="t", xlim=(0, 1), ylim=(equations[0].t_span[0], equations[-1].t_span[1]))
 
 
-def solved(bodies, t_span):
-    """The intervals of an example, printed with the time that they take, the best of ten."""
+def solved(equation):
+    """The intervals of an equation, printed with the time that they take, the best of ten."""
     seconds = []
     for _ in range(10):
         began = time.process_time()
-        intervals = ccd.contact_intervals(*bodies, t_span)
+        intervals = equation.contact_intervals()
         seconds.append(time.process_time() - began)
-    overlaps = [f"[{interval.start:.10f}, {interval.end:.10f}]" for interval in intervals if interval.state == ccd.State.OVERLAPPING]
-    print(f"  t in [{t_span[0]}, {t_span[1]}]: {len(overlaps)} overlapping: {', '.join(overlaps)}   ({1e3 * min(seconds):.2f} ms)")
+    low, high = equation.t_span
+    overlaps = [f"[{each.start:.10f}, {each.end:.10f}]" for each in intervals if each.state == ccd.State.OVERLAPPING]
+    print(f"  t in [{low:g}, {high:g}]: overlapping in {', '.join(overlaps)}   ({1e3 * min(seconds):.3f} ms)")
     return intervals
 
 
 def portrait(bodies, t):
-    """The two bodies at time t, red where they overlap."""
+    """The two bodies at time t, red when they overlap."""
     a, motion_a, b, motion_b = bodies
     overlap = best_u(ccd.CCDEquation(*bodies), t)[1] < 0
-    return scene(moved((a, b), (motion_a, motion_b), t), BODIES, (0, 1) if overlap else (), (0.3, -1.0, 0.5), (260, 200))
+    return scene(moved((a, b), (motion_a, motion_b), t), BODIES, (0, 1) if overlap else (), VIEW, PICTURE, FLOOR)
 
 
 def main():
@@ -120,22 +127,21 @@ def main():
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    zero_sets, bodies_2 = options.folder / "zero_sets.png", options.folder / "example_2.png"
+    zero_sets, bodies = options.folder / "zero_sets.png", options.folder / "affine_pair.png"
     figure, panels = plt.subplots(1, 3, figsize=(10, 4), layout="constrained")
-    panels = iter(panels)
-    for name, bodies, spans in (("Example 1", example_1(), {(0, 1): [(0, 1)], (-2, 3): []}),
-                                ("Example 2", example_2(), {(0, 1): [(0.55, 1), (0.55, 0)]})):
-        equation, contact = ccd.CCDEquation(*bodies), ccd.first_contact(*bodies)
+    for axes, name, pair, t_span, shoots in ((panels[0], "Example 1", example_1(), (0, 1), [(0, 1)]),
+                                             (panels[1], "Example 1", example_1(), (-2, 3), []),
+                                             (panels[2], "Example 2", example_2(), (0, 1), [(0.55, 1), (0.55, 0)])):
+        equation = ccd.CCDEquation(*pair, t_span)
+        contact = equation.first_contact()
         print(f"{name}: F has degree {equation.degree_t} in t, {equation.minimal_degree_t} without common factors")
+        units = [ccd.CCDEquation(*pair, (k, k + 1)) for k in range(*t_span)]
+        draw(axes, units, solved(equation), [step for start, end in shoots for step in recursive_shoots(equation, start, end)])
         print(f"  first contact at t = {contact.time:.15g}, at {np.round(contact.point, 12)}")
-        for t_span, shoots in spans.items():
-            axes = next(panels)
-            drawn = [step for start, end in shoots for step in recursive_shoots(equation, start, end)]
-            draw(axes, equation, solved(bodies, t_span), t_span, drawn)
-            axes.set_title(f"{name}, t in [{t_span[0]}, {t_span[1]}]", fontsize=10)
+        axes.set_title(f"{name}, t in [{t_span[0]}, {t_span[1]}]", fontsize=10)
     figure.savefig(zero_sets, dpi=110)
-    save_row([portrait(example_2(), t) for t in INSTANTS], bodies_2)
-    print(f"\nzero sets  {zero_sets}\nbodies     {bodies_2}")
+    save_row([portrait(example_2(), t) for t in INSTANTS], bodies)
+    print(f"\nzero sets  {zero_sets}\nbodies     {bodies}")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from analysis.colours import linear_rgb
 from analysis.picture import image
 
 RED, FLOOR = (0.56, 0.20, 0.11), (0.86, 0.0, 0.01)          # OKLab
+MEAN_LIGHTNESS, CONTRAST = 0.75, 0.5
 FLOOR_THICKNESS = 0.01
 
 
@@ -15,13 +16,17 @@ def scene(bodies, colours, colliding, view, size, floor=None):
     """A picture as sRGB bytes (height, width, 3).
 
     `bodies`: (centers (n, 3), orientations (n, 4), semi_axes (n, 3)); `colours` (n, 3) in OKLab; `colliding`: numbers of the bodies to be
-    drawn red; `view` the direction from which one looks; `size` (width, height); `floor`: (x, y, radius) of a disc whose top is at z = 0.
+    drawn red; `view` the direction from which one looks; `size` (width, height); `floor`: (x, y, z, radius) of a
+    round one.
     """
     paint = np.array(colours, dtype=float)
-    paint[list(colliding)] = RED
+    red = list(colliding)
+    lighter = CONTRAST * (paint[red, 0] - MEAN_LIGHTNESS)       # two red bodies that overlap shall still be seen as two
+    paint[red] = RED
+    paint[red, 0] += lighter
     if floor is not None:
-        x, y, radius = floor
-        disc = ((x, y, -FLOOR_THICKNESS), (1, 0, 0, 0), (radius, radius, FLOOR_THICKNESS))
+        x, y, z, radius = floor
+        disc = ((x, y, z - FLOOR_THICKNESS), (1, 0, 0, 0), (radius, radius, FLOOR_THICKNESS))
         bodies, paint = [np.vstack([part, extra]) for part, extra in zip(bodies, disc)], np.vstack([paint, FLOOR])
     return image(tuple(bodies), linear_rgb(paint), None, size, view)
 

@@ -183,7 +183,7 @@ def test_shoots_stop_at_the_first_contact():
 @pytest.mark.parametrize(("script", "arguments", "files", "said"), [
     (boxers, ["--frames", "40"], ["boxers.png"], "rigid motion, setup 1"),
     (robot_arm, [], ["robot_arm.png"], "W-7"),
-    (ccd_equation, [], ["zero_sets.png", "example_2.png"], "Example 2: F has degree"),
+    (ccd_equation, [], ["zero_sets.png", "affine_pair.png"], "Example 2: F has degree"),
 ], ids=lambda value: getattr(value, "__name__", None))
 def test_each_example_runs_and_leaves_its_files(script, arguments, files, said, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", [script.__name__, "--folder", str(tmp_path / "out"), *arguments])
