@@ -9,6 +9,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from scipy.interpolate import BPoly
 from scipy.optimize import brentq, minimize_scalar
 
 import ccd
@@ -51,9 +52,15 @@ def example_2():
     return sphere, ccd.AffineMotion(linear_a, np.zeros((3, 1))), sphere, ccd.AffineMotion(linear_b, path_b)
 
 
+def on_grid(equation, u, t):
+    """F at all times t (T,) and all u (U,): (T, U). At the minimal degree, which differs from the paper's F by a positive factor."""
+    rows = BPoly(equation.minimal.T[:, None], equation.t_span)(t)
+    return rows @ [choose * u**i * (1 - u)**(4 - i) for i, choose in enumerate((1, 4, 6, 4, 1))]
+
+
 def best_u(equation, t):
     """The u that maximises F(u, t), and that maximum."""
-    found = minimize_scalar(lambda u: -equation(u, t), bounds=(0, 1), method="bounded", options={"xatol": 1e-10})
+    found = minimize_scalar(lambda u: -on_grid(equation, np.array([u]), [t])[0, 0], bounds=(0, 1), method="bounded", options={"xatol": 1e-10})
     return found.x, -found.fun
 
 
@@ -61,8 +68,10 @@ def shoot(equation, start, end):
     """A Bézier shoot from `start` towards `end`: the best u at the start, and how far F(u, t) > 0 holds. -> u, time."""
     u, _ = best_u(equation, start)
     times = np.linspace(start, end, 2001)
-    closed = np.flatnonzero(equation(u, times[1:]) <= 0)
-    return u, brentq(lambda t: equation(u, t), *times[closed[0]:closed[0] + 2], xtol=1e-15) if len(closed) else end
+    closed = np.flatnonzero(on_grid(equation, np.array([u]), times[1:]) <= 0)
+    if len(closed) == 0:
+        return u, end
+    return u, brentq(lambda t: on_grid(equation, np.array([u]), [t])[0, 0], *times[closed[0]:closed[0] + 2], xtol=1e-15)
 
 
 def recursive_shoots(equation, start, end, most=8):
@@ -77,26 +86,22 @@ def recursive_shoots(equation, start, end, most=8):
     return steps
 
 
-def draw(axes, equations, intervals, shoots):
-    """The zero set of F, u to the right and t up; overlapping intervals beside it; critical points and Bézier shoots.
-
-    F comes as one equation for each unit of time: over a long span of high degree double precision cannot hold it.
-    """
+def draw(axes, equation, intervals, shoots):
+    """The zero set of F, u to the right and t up; overlapping intervals beside it; critical points and Bézier shoots."""
+    low, high = equation.t_span
+    u, t = np.linspace(0, 1, 401), np.linspace(low, high, 1201)
+    F = on_grid(equation, u, t)
+    F /= np.abs(F).max(axis=1, keepdims=True)
+    axes.contourf(u, t, F, levels=[0, 1], colors=[SEPARATE])
+    axes.contour(u, t, F, levels=[0], colors="black", linewidths=1)
+    for x, start, end in shoots:
+        axes.annotate("", (x, end), (x, start), arrowprops=ARROW)
     overlaps = [interval for interval in intervals if interval.state == ccd.State.OVERLAPPING]
-    for equation in equations:
-        low, high = equation.t_span
-        u, t = np.linspace(0, 1, 401), np.linspace(low, high, 601)
-        F = equation(u, t[:, None])
-        F /= np.abs(F).max(axis=1, keepdims=True)
-        axes.contourf(u, t, F, levels=[0, 1], colors=[SEPARATE])
-        axes.contour(u, t, F, levels=[0], colors="black", linewidths=1)
-        critical = [end for interval in overlaps for end in (interval.start, interval.end) if low < end < high]
-        axes.plot([best_u(equation, end)[0] for end in critical], critical, "o", color=CRITICAL, markersize=4)
-    for u, start, end in shoots:
-        axes.annotate("", (u, end), (u, start), arrowprops=ARROW)
     for interval in overlaps:
         axes.plot([1.04, 1.04], [interval.start, interval.end], color=CRITICAL, linewidth=4, solid_capstyle="butt", clip_on=False)
-    axes.set(xlabel="u", ylabel="t", xlim=(0, 1), ylim=(equations[0].t_span[0], equations[-1].t_span[1]))
+    critical = [end for interval in overlaps for end in (interval.start, interval.end) if low < end < high]
+    axes.plot([best_u(equation, end)[0] for end in critical], critical, "o", color=CRITICAL, markersize=4)
+    axes.set(xlabel="u", ylabel="t", xlim=(0, 1), ylim=(low, high))
 
 
 def solved(equation):
@@ -135,8 +140,7 @@ def main():
         equation = ccd.CCDEquation(*pair, t_span)
         contact = equation.first_contact()
         print(f"{name}: F has degree {equation.degree_t} in t, {equation.minimal_degree_t} without common factors")
-        units = [ccd.CCDEquation(*pair, (k, k + 1)) for k in range(*t_span)]
-        draw(axes, units, solved(equation), [step for start, end in shoots for step in recursive_shoots(equation, start, end)])
+        draw(axes, equation, solved(equation), [step for start, end in shoots for step in recursive_shoots(equation, start, end)])
         print(f"  first contact at t = {contact.time:.15g}, at {np.round(contact.point, 12)}")
         axes.set_title(f"{name}, t in [{t_span[0]}, {t_span[1]}]", fontsize=10)
     figure.savefig(zero_sets, dpi=110)
