@@ -1,10 +1,14 @@
 """Continuous collision detection for ellipsoids: two bodies, one question. Knows nothing of many bodies."""
 
 from ccd import batch
+from ccd.answers import Contact, Interval, Separation
 from ccd.batch import Bodies
 from ccd.ellipsoid import Ellipsoid
-from ccd.motion import FreeFlight, Rest
-from ccd.queries import Contact, Separation, first_contact, separation
+from ccd.equation import CCDEquation
+from ccd.motion import AffineMotion, FreeFlight, RationalMotion, Rest, approximate_flight, interpolate_affine, interpolate_rigid
+from ccd.queries import contact_intervals, first_contact, separation
 from ccd.status import State, Status
 
-__all__ = ["Bodies", "Contact", "Ellipsoid", "FreeFlight", "Rest", "Separation", "State", "Status", "batch", "first_contact", "separation"]
+__all__ = ["AffineMotion", "Bodies", "CCDEquation", "Contact", "Ellipsoid", "FreeFlight", "Interval", "RationalMotion", "Rest",
+           "Separation", "State", "Status", "approximate_flight", "batch", "contact_intervals", "first_contact", "interpolate_affine",
+           "interpolate_rigid", "separation"]

@@ -48,6 +48,14 @@ def real_number(name, value, what="a number", above=-np.inf, at_least=-np.inf, b
     return number
 
 
+def time_span(name, value):
+    """(start, end) with start < end."""
+    start, end = real_array(name, value, (2,), "two finite times (start, end)").tolist()
+    if not start < end:
+        raise ValueError(f"{name} = {value!r}: expected start < end")
+    return start, end
+
+
 def cell_vectors(name, value):
     """A periodic cell (3, 3): rows that span a volume."""
     cell = real_array(name, value, (3, 3), "three cell vectors as rows (3, 3)")

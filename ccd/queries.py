@@ -1,12 +1,12 @@
 """What one asks about one pair of ellipsoids."""
 
-from typing import NamedTuple
-
 import numpy as np
 
-from ccd.checks import real_array
+from ccd.answers import Contact, Separation
+from ccd.checks import time_span
 from ccd.compiling import kernel
 from ccd.ellipsoid import Ellipsoid
+from ccd.equation import CCDEquation
 from ccd.first_contact import free_flight_contact
 from ccd.motion import FreeFlight
 from ccd.quaternions import products, rotations
@@ -15,32 +15,6 @@ from ccd.separation import balance, best_plane, contact_point, contact_value, pe
 from ccd.status import State, Status
 from ccd.tolerances import EXACT, TOUCHING_STATE
 from ccd.vectors import dot, subtract
-
-
-class Separation(NamedTuple):
-    """How two ellipsoids at rest stand to each other, eq. (1).
-
-    contact_function f: > 1 apart, 1 touching, < 1 overlapping; sqrt(f) is the factor by which both must grow to touch.
-    gap: signed distance of the two supporting planes whose normal is `normal` (unit, from A to B): a lower bound of the distance when
-    positive. point: where the bodies touch, when they do. pencil_parameter: the maximiser lambda in (0, 1).
-    """
-
-    state: State
-    contact_function: float
-    gap: float
-    normal: np.ndarray
-    point: np.ndarray
-    pencil_parameter: float
-
-
-class Contact(NamedTuple):
-    """A first contact. time is inf for NO_CONTACT; normal (from A to B) and point are nan then. iterations: steps of the shoot."""
-
-    status: Status
-    time: float
-    point: np.ndarray
-    normal: np.ndarray
-    iterations: int
 
 
 @kernel
@@ -72,23 +46,30 @@ def separation(a, b):
 
 
 def first_contact(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
-    """The first contact of two ellipsoids in free flight within t_span, by the certified shoot (docs/theory.md, section 2).
+    """The first contact of two moving ellipsoids within t_span. -> Contact
 
-    a, b: Ellipsoid, their poses at t = 0; motions: FreeFlight or Rest(). -> Contact, with status OVERLAPPING when the bodies overlap at
-    t_span[0] already, and UNRESOLVED where float64 cannot tell. Contact times are good to 1e-12 of the span at regular contacts.
+    a, b: Ellipsoid. Both in FreeFlight or at Rest(), from their own poses at t = 0: by the certified shoot (docs/theory.md, section 2).
+    Rational motions, with Rest() or FreeFlight without rotation as the other: by recursive Bézier shoots on the CCD equation (paper,
+    Sec. 3.3). Status OVERLAPPING when the bodies overlap at t_span[0] already, and UNRESOLVED where float64 cannot tell. Contact times
+    are good to 1e-12 of the span at regular contacts.
     """
+    if not isinstance(motion_a, FreeFlight) or not isinstance(motion_b, FreeFlight):
+        return CCDEquation(a, motion_a, b, motion_b, t_span).first_contact()
     _check_ellipsoids(a, b)
-    for name, motion in (("motion_a", motion_a), ("motion_b", motion_b)):
-        if not isinstance(motion, FreeFlight):
-            raise ValueError(f"{name} = {motion!r}: expected ccd.FreeFlight or ccd.Rest()")
-    start, end = real_array("t_span", t_span, (2,), "two finite times (start, end)").tolist()
-    if not start < end:
-        raise ValueError(f"t_span = {t_span!r}: expected start < end")
+    start, end = time_span("t_span", t_span)
     status, time, n, point, steps = free_flight_contact(_flight("motion_a", a, motion_a, start, end),
                                                         _flight("motion_b", b, motion_b, start, end), end - start)
     if status == Status.NO_CONTACT:
         n = point = (np.nan,) * 3
     return Contact(Status(status), start + time, np.array(point), np.array(n), steps)
+
+
+def contact_intervals(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
+    """All maximal intervals of separation and of overlap of two ellipsoids within t_span (paper, Sec. 3.2, Algorithms 1 to 3).
+
+    Arguments as for `CCDEquation`. -> list of Interval, end to end over t_span.
+    """
+    return CCDEquation(a, motion_a, b, motion_b, t_span).contact_intervals()
 
 
 def _check_ellipsoids(a, b):

@@ -4,11 +4,12 @@ from enum import IntEnum
 
 
 class State(IntEnum):
-    """Two ellipsoids at rest (paper, Sec. 2)."""
+    """Two ellipsoids at rest (paper, Sec. 2), or throughout an interval of time; then UNRESOLVED says "could not tell"."""
 
     OVERLAPPING = -1
     TOUCHING = 0
     SEPARATE = 1
+    UNRESOLVED = 2
 
 
 class Status(IntEnum):

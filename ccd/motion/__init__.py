@@ -1,5 +1,8 @@
 """Motions of a body in time."""
 
 from ccd.motion.flight import FreeFlight, Rest
+from ccd.motion.interpolation import approximate_flight, interpolate_affine, interpolate_rigid
+from ccd.motion.rational import AffineInterpolant, AffineMotion, RationalMotion
 
-__all__ = ["FreeFlight", "Rest"]
+__all__ = ["AffineInterpolant", "AffineMotion", "FreeFlight", "RationalMotion", "Rest", "approximate_flight", "interpolate_affine",
+           "interpolate_rigid"]
