@@ -60,7 +60,7 @@ def on_grid(equation, u, t):
 
 def best_u(equation, t):
     """The u that maximises F(u, t), and that maximum."""
-    found = minimize_scalar(lambda u: -on_grid(equation, np.array([u]), [t])[0, 0], bounds=(0, 1), method="bounded", options={"xatol": 1e-10})
+    found = minimize_scalar(lambda u: -on_grid(equation, np.array([u]), [t])[0, 0], bounds=(0, 1), options={"xatol": 1e-10})
     return found.x, -found.fun
 
 

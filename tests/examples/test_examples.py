@@ -2,17 +2,17 @@
 
 import sys
 
-import boxers
-import ccd_equation
 import numpy as np
 import pytest
-import robot_arm
 from dense import contact_function_and_normal
-from figures import arm, boxing
 from numpy.polynomial.polynomial import polyval
 from scipy.spatial.transform import Rotation
 
+import boxers
 import ccd
+import ccd_equation
+import robot_arm
+from figures import arm, boxing
 
 TIMES = np.array([0.0, 0.137, 0.5, 0.731, 1.0])
 
