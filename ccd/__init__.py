@@ -1,6 +1,6 @@
 """Continuous collision detection for ellipsoids: two bodies, one question. Knows nothing of many bodies."""
 
-from ccd import batch
+from ccd import batch, scene
 from ccd.answers import Contact, Interval, Separation
 from ccd.batch import Bodies
 from ccd.ellipsoid import Ellipsoid
@@ -11,4 +11,4 @@ from ccd.status import State, Status
 
 __all__ = ["AffineMotion", "Bodies", "CCDEquation", "Contact", "Ellipsoid", "FreeFlight", "Interval", "RationalMotion", "Rest",
            "Separation", "State", "Status", "approximate_flight", "batch", "contact_intervals", "first_contact", "interpolate_affine",
-           "interpolate_rigid", "separation"]
+           "interpolate_rigid", "scene", "separation"]

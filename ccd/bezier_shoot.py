@@ -22,7 +22,7 @@ CONTACT, NO_CONTACT, OVERLAPPING, UNRESOLVED = (int(Status.CONTACT), int(Status.
 def best_certificate(grid, t, start):
     """f - 1 at one time in [0, 1] (State is its sign), the u that attains it, converged. start: a guess of u.
 
-    Where the centres nearly coincide f, which is concave, is below twice its value at u = 1/2: that is enough, and the best u is not defined.
+    Where the centres nearly coincide f, which is concave, is below twice its value at u = 1/2: that is enough to know.
     """
     d, n = coefficients(grid, t)
     at_half = contact_value(d, n, 0.5)
@@ -111,8 +111,8 @@ def contact_time(grid, low, high, low_overlaps, start):
 
 
 @kernel
-def recursive_shoot(grid, work):
-    """The first contact in [0, 1] (paper, Sec. 3.3). -> status, time, u, shoots."""
+def recursive_shoot(grid, end, work):
+    """The first contact in [0, end], end at most 1 (paper, Sec. 3.3). -> status, time, u, shoots."""
     time, u = 0.0, 0.5
     for shoot in range(SHOOT_STEPS):
         excess, u, converged = best_certificate(grid, time, u)
@@ -127,8 +127,8 @@ def recursive_shoot(grid, work):
                 return CONTACT, 0.0, u, 0
         elif excess <= ROUNDING:
             return CONTACT, time, u, shoot
-        reached = bezier_shoot(grid, (u, 1.0, touching), time, 1.0, work)
-        if reached >= 1.0:
+        reached = bezier_shoot(grid, (u, 1.0, touching), time, end, work)
+        if reached >= end:
             return NO_CONTACT, inf, u, shoot + 1
         if reached - time <= ROOT * reached:
             return (UNRESOLVED if touching else CONTACT), reached, u, shoot + 1

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import BPoly
 
 from ccd import checks
 from ccd.answers import Contact, Interval
@@ -66,6 +65,8 @@ class CCDEquation:
 
     def __call__(self, u, t):
         """F at u and t, arrays that broadcast: the polynomial of `bernstein`."""
+        from scipy.interpolate import BPoly  # here, because it takes longer to import than everything else together
+
         u, t = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (u, t)))
         rows = BPoly(self.bernstein.T[:, None], np.array(self.t_span))(t)
         basis = [choose * u**i * (1 - u)**(4 - i) for i, choose in enumerate((1, 4, 6, 4, 1))]
@@ -90,7 +91,7 @@ class CCDEquation:
         """The first contact by recursive Bézier shoots (paper, Sec. 3.3). -> Contact, as from ccd.first_contact"""
         shoots = 0
         for k, part in enumerate(self._parts):
-            status, s, u, count = recursive_shoot(part.grid, np.empty((WORK, part.grid.shape[1])))
+            status, s, u, count = recursive_shoot(part.grid, 1.0, np.empty((WORK, part.grid.shape[1])))
             shoots += count
             if status == Status.OVERLAPPING and k > 0:      # rounding at the border of two parts: the shoot came here without contact
                 status = Status.CONTACT
