@@ -14,11 +14,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "examples"))
 
-from ccd.scene import Outcome
 from equilibrium_speed import seconds_a_solve
 from provenance import provenance
 
 import boxers as example
+from ccd.scene import Outcome
 from figures.boxing import boxing
 
 FRAMES = 1000

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from ccd.scene import Outcome
 
 import ccd
 from ccd import scene
+from ccd.scene import Outcome
 from figures.boxing import NAMES, boxing
 from figures.drawing import moved, save_row
 from figures.drawing import scene as picture
