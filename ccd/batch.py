@@ -1,18 +1,16 @@
 """Arrays of pairs, on all cores."""
 
 from dataclasses import dataclass
-from math import nan
 
 import numba
 import numpy as np
 
-from ccd import checks
+from ccd import blocks, checks
+from ccd.characteristic import UNCERTAIN
 from ccd.compiling import kernel, parallel_kernel
 from ccd.first_contact import free_flight_contact
-from ccd.rotation import body_axes
-from ccd.separation import balance, contact_value, maximise, pencil, semi_axis_vectors, shape_matrix
-from ccd.tolerances import EXACT
-from ccd.vectors import load, subtract
+from ccd.rotation import load_quaternion
+from ccd.vectors import load
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,15 +47,27 @@ class Bodies:
         return len(self.center)
 
 
+def state(bodies_a, bodies_b):
+    """State (n,) int8 of the pairs (a[k], b[k]), by Theorem 1 of the paper: +1 separate, 0 touching, -1 overlapping. Motion is ignored.
+
+    The same answers as `ccd.state`, and the same ArithmeticError.
+    """
+    _check_lengths(bodies_a, bodies_b)
+    states = np.empty(len(bodies_a), dtype=np.int8)
+    blocks.states(_pose(bodies_a), _pose(bodies_b), states)
+    if (states == UNCERTAIN).any():
+        raise ArithmeticError(f"pair {(states == UNCERTAIN).argmax()}: the contact function cannot be maximised in double precision")
+    return states
+
+
 def contact_function(bodies_a, bodies_b):
     """The contact function f (n,) of the pairs (a[k], b[k]), eq. (1): > 1 apart, 1 touching, < 1 overlapping. Motion is ignored.
 
-    nan where float64 cannot hold the pencil parameter (sizes some 1e10 apart).
+    nan where float64 cannot hold the pencil parameter (sizes some 1e20 apart).
     """
     _check_lengths(bodies_a, bodies_b)
     f = np.empty(len(bodies_a))
-    _contact_functions(bodies_a.semi_axes, bodies_a.center, bodies_a.orientation,
-                       bodies_b.semi_axes, bodies_b.center, bodies_b.orientation, f)
+    blocks.contact_functions(_pose(bodies_a), _pose(bodies_b), f)
     return f
 
 
@@ -81,30 +91,18 @@ def _check_lengths(bodies_a, bodies_b):
         raise ValueError(f"bodies_b has {len(bodies_b)} bodies: expected as many as bodies_a, {len(bodies_a)}")
 
 
+def _pose(bodies):
+    return bodies.semi_axes, bodies.center, bodies.orientation
+
+
 def _rows(bodies):
     return np.hstack([bodies.semi_axes, bodies.center, bodies.orientation, bodies.velocity, bodies.angular_velocity,
                       bodies.growth_rate[:, None]])
 
 
 @kernel
-def _quaternion(row, start):
-    return (row[start], row[start + 1], row[start + 2], row[start + 3])
-
-
-@kernel
 def _flight(row):
-    return load(row, 0), load(row, 3), _quaternion(row, 6), load(row, 10), load(row, 13), row[16]
-
-
-@parallel_kernel
-def _contact_functions(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, orientation_b, f):
-    for k in numba.prange(len(f)):
-        s_a = semi_axis_vectors(load(semi_axes_a[k], 0), body_axes(_quaternion(orientation_a[k], 0)))
-        s_b = semi_axis_vectors(load(semi_axes_b[k], 0), body_axes(_quaternion(orientation_b[k], 0)))
-        a, b = shape_matrix(s_a), shape_matrix(s_b)
-        d, n = pencil(a, b, subtract(load(center_b[k], 0), load(center_a[k], 0)))
-        x, converged = maximise(d, n, balance(a, b), EXACT)
-        f[k] = contact_value(d, n, x) if converged else nan
+    return load(row, 0), load(row, 3), load_quaternion(row, 6), load(row, 10), load(row, 13), row[16]
 
 
 @parallel_kernel

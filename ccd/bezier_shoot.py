@@ -12,7 +12,7 @@ from ccd.compiling import kernel
 from ccd.grid import coefficients, held
 from ccd.separation import contact_value, maximise
 from ccd.status import Status
-from ccd.tolerances import CONCENTRIC, CONTACT_TIME_STEPS, EXACT, ROOT, ROUNDING, SHOOT_STEPS, TOUCHING_STATE
+from ccd.tolerances import ARRIVED, CONCENTRIC, CONTACT_TIME_STEPS, EXACT, ROOT, SHOOT_STEPS, TOUCHING_STATE
 
 CONTACT, NO_CONTACT, OVERLAPPING, UNRESOLVED = (int(Status.CONTACT), int(Status.NO_CONTACT), int(Status.OVERLAPPING),
                                                 int(Status.UNRESOLVED))
@@ -125,7 +125,7 @@ def recursive_shoot(grid, end, work):
             touching = abs(excess) <= TOUCHING_STATE
             if touching and slope(grid, u, 0.0, work) < 0:
                 return CONTACT, 0.0, u, 0
-        elif excess <= ROUNDING:
+        elif excess <= ARRIVED:
             return CONTACT, time, u, shoot
         reached = bezier_shoot(grid, (u, 1.0, touching), time, end, work)
         if reached >= end:

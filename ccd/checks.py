@@ -5,6 +5,7 @@ import operator
 import numpy as np
 
 UNIT = 1e-15
+SINGULAR = 1e-14             # ratio of singular values, some 50 roundings
 
 
 
@@ -62,6 +63,15 @@ def cell_vectors(name, value):
     if not abs(np.linalg.det(cell)) > 0:
         raise ValueError(f"{name} = {cell.tolist()}: expected three vectors that span a volume")
     return cell
+
+
+def linear_map(name, value):
+    """A matrix (3, 3) that float64 can tell from a singular one."""
+    matrix = real_array(name, value, (3, 3), "a matrix (3, 3)")
+    sizes = np.linalg.svd(matrix, compute_uv=False)
+    if not sizes[-1] > SINGULAR * sizes[0]:
+        raise ValueError(f"{name} = {matrix.tolist()}: singular (singular values {sizes.tolist()}), expected an invertible matrix")
+    return matrix
 
 
 def natural_number(name, value):

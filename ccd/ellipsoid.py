@@ -33,10 +33,14 @@ class Ellipsoid:
         return rotation_matrices(self.orientation[None])[0]
 
     @property
+    def semi_axis_vectors(self):
+        """(3, 3): columns run from the centre to the surface along the body axes, in the lab frame."""
+        return self.rotation_matrix * self.semi_axes
+
+    @property
     def shape_matrix(self):
         """(3, 3), X = R diag(a^2) R^T: the surface is (x - c)^T X^-1 (x - c) = 1."""
-        s = self.rotation_matrix * self.semi_axes
-        return s @ s.T
+        return self.semi_axis_vectors @ self.semi_axis_vectors.T
 
     @property
     def quadric(self):
@@ -58,3 +62,32 @@ class Ellipsoid:
         mass = checks.real_number("mass", mass, "a positive number", above=0)
         squares = self.semi_axes**2
         return mass / 5 * (squares.sum() - squares)
+
+
+@dataclass(frozen=True, eq=False)
+class AffineEllipsoid:
+    """The ellipsoid with semi-axes (3,) along x, y, z, carried by X_lab = linear X_body + translation (paper, Sec. 2.1).
+
+    linear (3, 3) may stretch, shear and mirror; ValueError where it is singular, or what is given is not finite, not positive or of the
+    wrong shape.
+    """
+
+    semi_axes: np.ndarray
+    linear: np.ndarray
+    translation: np.ndarray = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        for name, value in (("semi_axes", checks.semi_axes("semi_axes", self.semi_axes)),
+                            ("linear", checks.linear_map("linear", self.linear)),
+                            ("translation", checks.real_array("translation", self.translation, (3,), "three coordinates"))):
+            value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    @property
+    def center(self):
+        return self.translation
+
+    @property
+    def semi_axis_vectors(self):
+        """(3, 3): columns are where the three semi-axes of the body go: from the centre to the surface, not at right angles in general."""
+        return self.linear * self.semi_axes

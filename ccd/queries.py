@@ -11,28 +11,29 @@ from ccd.first_contact import free_flight_contact
 from ccd.motion import FreeFlight
 from ccd.quaternions import products, rotations
 from ccd.rotation import body_axes
-from ccd.separation import balance, best_plane, contact_point, contact_value, pencil, semi_axis_vectors, shape_matrix, support
+from ccd.separation import contact_function, contact_point, normal, relative_pose, semi_axis_vectors, shape_matrix, support
 from ccd.status import State, Status
-from ccd.tolerances import EXACT, TOUCHING_STATE
+from ccd.tolerances import SHARP, TOUCHING_STATE
 from ccd.vectors import dot, subtract
 
 
 @kernel
 def _separation(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, orientation_b):
-    s_a, s_b = semi_axis_vectors(semi_axes_a, body_axes(orientation_a)), semi_axis_vectors(semi_axes_b, body_axes(orientation_b))
+    axes_a, axes_b = body_axes(orientation_a), body_axes(orientation_b)
+    s_a, s_b = semi_axis_vectors(semi_axes_a, axes_a), semi_axis_vectors(semi_axes_b, axes_b)
     r = subtract(center_b, center_a)
+    f, odds, converged = contact_function(*relative_pose(semi_axes_a, axes_a, semi_axes_b, axes_b, r), SHARP)
     a, b = shape_matrix(s_a), shape_matrix(s_b)
-    n, x, converged = best_plane(s_a, s_b, r, balance(a, b), EXACT)
-    d, numerator = pencil(a, b, r)
+    n = normal(a, b, r, odds / (1 + odds)) if odds < 1 else normal(b, a, r, 1 / (1 + odds))         # the smaller weight, to its last digit
     gap = dot(n, r) - support(s_a, n) - support(s_b, n)
-    return converged, contact_value(d, numerator, x), gap, n, contact_point(center_a, s_a, r, s_b, n), x
+    return converged, f, gap, n, contact_point(center_a, s_a, r, s_b, n), odds / (1 + odds)
 
 
 def separation(a, b):
     """State, contact function, gap, normal and contact point of two ellipsoids at rest (Perram and Wertheim; eqs. (1) to (4)).
 
     Concentric ellipsoids have no normal: contact function 0, gap minus infinity, normal and point nan. ArithmeticError where float64
-    cannot hold the pencil parameter (sizes some 1e10 apart).
+    cannot hold the pencil parameter (sizes some 1e20 apart).
     """
     _check_ellipsoids(a, b)
     if np.array_equal(a.center, b.center):

@@ -8,6 +8,12 @@ SERIES_BELOW = 0.25      # squared half-angle up to which eight terms of the ser
 
 
 @kernel
+def load_quaternion(row, start):
+    """Four consecutive entries of a one-dimensional array."""
+    return (row[start], row[start + 1], row[start + 2], row[start + 3])
+
+
+@kernel
 def multiply(p, q):
     return (p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
             p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],

@@ -14,7 +14,7 @@ from ccd.frame_culling import plane_holds, spheres_meet
 from ccd.grid import fill_grid, touch
 from ccd.motion import RationalMotion
 from ccd.motion.tensors import Tensors, interpolated_tensors, rigid_tensors
-from ccd.rotation import body_axes
+from ccd.rotation import body_axes, load_quaternion
 from ccd.separation import balance, best_plane, semi_axis_vectors, shape_matrix, support
 from ccd.status import Status
 from ccd.tolerances import EXACT, TOUCHING
@@ -166,11 +166,6 @@ def _member(stack, k):
 
 
 @kernel
-def _quaternion(row, start):
-    return (row[start], row[start + 1], row[start + 2], row[start + 3])
-
-
-@kernel
 def _into(axes, v):
     """A vector in the frame whose axes are given."""
     return (dot(axes[0], v), dot(axes[1], v), dot(axes[2], v))
@@ -198,7 +193,7 @@ def _affine_pair(a, b, row_a, row_b, work):
     inverses, centers = work[:2, :6], work[2:4, :3]
     size_a, size_b = load(row_a, 0), load(row_b, 0)
     for end in range(2):
-        axes_a, axes_b = body_axes(_quaternion(row_a, 6 + 7 * end)), body_axes(_quaternion(row_b, 6 + 7 * end))
+        axes_a, axes_b = body_axes(load_quaternion(row_a, 6 + 7 * end)), body_axes(load_quaternion(row_b, 6 + 7 * end))
         t = (scale(1 / size_b[0], _into(axes_a, axes_b[0])), scale(1 / size_b[1], _into(axes_a, axes_b[1])),
              scale(1 / size_b[2], _into(axes_a, axes_b[2])))
         inverse = shape_matrix(t)
@@ -219,8 +214,8 @@ def _pair(row_a, row_b, pair, options, bound, space):
     """One pair of a frame, up to a bound on the time. -> outcome, time, u"""
     i, j = pair
     rigid, planes = options
-    s_a = semi_axis_vectors(load(row_a, 0), body_axes(_quaternion(row_a, 6)))
-    s_b = semi_axis_vectors(load(row_b, 0), body_axes(_quaternion(row_b, 6)))
+    s_a = semi_axis_vectors(load(row_a, 0), body_axes(load_quaternion(row_a, 6)))
+    s_b = semi_axis_vectors(load(row_b, 0), body_axes(load_quaternion(row_b, 6)))
     r_start, r_end = subtract(load(row_b, 3), load(row_a, 3)), subtract(load(row_b, 10), load(row_a, 10))
     n, _, converged = best_plane(s_a, s_b, r_start, balance(shape_matrix(s_a), shape_matrix(s_b)), EXACT)
     h_a, h_b = support(s_a, n), support(s_b, n)
@@ -232,7 +227,7 @@ def _pair(row_a, row_b, pair, options, bound, space):
     if rigid:
         a, b = _rigid_member(space.a, space.ready_a, i, row_a, work), _rigid_member(space.b, space.ready_b, j, row_b, work)
         if planes:
-            q_start, q_end = _quaternion(row_b, 6), _quaternion(row_b, 13)
+            q_start, q_end = load_quaternion(row_b, 6), load_quaternion(row_b, 13)
             m = _into(body_axes(q_start), n)
             if plane_holds((m, h_b), (q_start, q_end), (r_start, r_end), a, bound, work):
                 return PLANE_HOLDS, inf, 0.5
@@ -259,8 +254,8 @@ def _frame(rows_a, rows_b, options, outcomes, times, space):
             reach = max(load(row_a, 0)) + max(load(row_b, 0))
             r_start, r_end = subtract(load(row_b, 3), load(row_a, 3)), subtract(load(row_b, 10), load(row_a, 10))
             if not rigid:
-                r_start = _into(body_axes(_quaternion(row_a, 6)), r_start)
-                r_end = _into(body_axes(_quaternion(row_a, 13)), r_end)
+                r_start = _into(body_axes(load_quaternion(row_a, 6)), r_start)
+                r_end = _into(body_axes(load_quaternion(row_a, 13)), r_end)
             if not spheres_meet(r_start, r_end, reach, bound):
                 outcomes[i, j] = SPHERES_APART
                 continue

@@ -9,7 +9,7 @@ from math import sqrt
 
 from ccd.compiling import kernel
 from ccd.tolerances import PENCIL_STEPS
-from ccd.vectors import add_scaled, dot, norm, scale, subtract
+from ccd.vectors import add_scaled, cross, dot, norm, scale, subtract
 
 
 @kernel
@@ -111,29 +111,79 @@ def maximise(d, n, start, precision):
     """
     low, high, x = 0.0, 1.0, start
     for _ in range(PENCIL_STEPS):
-        y = 1 - x
-        d01, d12, d23 = d[0] * y + d[1] * x, d[1] * y + d[2] * x, d[2] * y + d[3] * x
-        d012, d123 = d01 * y + d12 * x, d12 * y + d23 * x
-        cubic, cubic_1, cubic_2 = d012 * y + d123 * x, 3 * (d123 - d012), 6 * (d23 - 2 * d12 + d01)
-        n01, n12 = n[0] * y + n[1] * x, n[1] * y + n[2] * x
-        quadratic, quadratic_1, quadratic_2 = n01 * y + n12 * x, 2 * (n12 - n01), 2 * (n[2] - 2 * n[1] + n[0])
-        under = x * y * quadratic
-        under_1 = (y - x) * quadratic + x * y * quadratic_1
-        under_2 = -2 * quadratic + 2 * (y - x) * quadratic_1 + x * y * quadratic_2
-        rate = under_1 / under - cubic_1 / cubic                                                        # (ln f)'
-        bend = under_2 / under - (under_1 / under)**2 - cubic_2 / cubic + (cubic_1 / cubic)**2          # (ln f)''
-        if rate > 0:
-            low = x
-        else:
-            high = x
-        slope = (y - x) * rate + x * y * bend
-        step = -x * y * rate / slope if slope < 0 else 2.0
-        if not low <= x + step <= high:
-            step = 0.5 * (low + high) - x
+        low, high, step = newton_step(d, n, low, high, x)
         x += step
         if abs(step) <= precision * min(x, 1 - x):
             return x, True
     return x, False
+
+
+@kernel
+def newton_step(d, n, low, high, x):
+    """One step of `maximise` from x. -> the new bracket low, high, and the step."""
+    y = 1 - x
+    d01, d12, d23 = d[0] * y + d[1] * x, d[1] * y + d[2] * x, d[2] * y + d[3] * x
+    d012, d123 = d01 * y + d12 * x, d12 * y + d23 * x
+    cubic, cubic_1, cubic_2 = d012 * y + d123 * x, 3 * (d123 - d012), 6 * (d23 - 2 * d12 + d01)
+    n01, n12 = n[0] * y + n[1] * x, n[1] * y + n[2] * x
+    quadratic, quadratic_1, quadratic_2 = n01 * y + n12 * x, 2 * (n12 - n01), 2 * (n[2] - 2 * n[1] + n[0])
+    under = x * y * quadratic
+    under_1 = (y - x) * quadratic + x * y * quadratic_1
+    under_2 = -2 * quadratic + 2 * (y - x) * quadratic_1 + x * y * quadratic_2
+    rate = under_1 / under - cubic_1 / cubic                                                        # (ln f)'
+    bend = under_2 / under - (under_1 / under)**2 - cubic_2 / cubic + (cubic_1 / cubic)**2          # (ln f)''
+    if rate > 0:
+        low = x
+    else:
+        high = x
+    slope = (y - x) * rate + x * y * bend
+    step = -x * y * rate / slope if slope < 0 else 2.0
+    if not low <= x + step <= high:
+        step = 0.5 * (low + high) - x
+    return low, high, step
+
+
+@kernel
+def relative_pose(semi_axes_a, axes_a, semi_axes_b, axes_b, r):
+    """The pair as it looks where B is the unit sphere: the semi-axis vectors g of A, and the vector t from A to B."""
+    p, q, w = scale(1 / semi_axes_b[0], axes_b[0]), scale(1 / semi_axes_b[1], axes_b[1]), scale(1 / semi_axes_b[2], axes_b[2])
+    a1, a2, a3 = axes_a
+    return ((scale(semi_axes_a[0], (dot(p, a1), dot(q, a1), dot(w, a1))),
+             scale(semi_axes_a[1], (dot(p, a2), dot(q, a2), dot(w, a2))),
+             scale(semi_axes_a[2], (dot(p, a3), dot(q, a3), dot(w, a3)))), (dot(p, r), dot(q, r), dot(w, r)))
+
+
+@kernel
+def relative_pencil(g, t):
+    """`pencil` of a `relative_pose`: the same contact function from sums of squares, which keep full precision for needles and plates."""
+    g1, g2, g3 = g
+    g12, g13, g23 = cross(g1, g2), cross(g1, g3), cross(g2, g3)
+    gt1, gt2, gt3 = cross(g1, t), cross(g2, t), cross(g3, t)
+    volume, t12, t13, t23 = dot(g12, g3), dot(g12, t), dot(g13, t), dot(g23, t)
+    return ((volume * volume, (dot(g12, g12) + dot(g13, g13) + dot(g23, g23)) / 3, (dot(g1, g1) + dot(g2, g2) + dot(g3, g3)) / 3, 1.0),
+            (t12 * t12 + t13 * t13 + t23 * t23, 0.5 * (dot(gt1, gt1) + dot(gt2, gt2) + dot(gt3, gt3)), dot(t, t)))
+
+
+@kernel
+def nearer_end(d, n):
+    """A `relative_pencil` whose lambda is counted from the end where its maximiser is, and where to start. -> d, n, start, turned.
+
+    Bodies of very different sizes have theirs close to an end: near 0 floats are dense enough, near 1 they are not.
+    """
+    size = sqrt(d[2])                                           # of A in units of B
+    turned = size > 1
+    return ((d[3], d[2], d[1], d[0]) if turned else d, (n[2], n[1], n[0]) if turned else n, min(size, 1.0) / (size + 1), turned)
+
+
+@kernel
+def contact_function(g, t, precision):
+    """The maximum of (1) for a `relative_pose`. -> f, its lambda / (1 - lambda), converged. f is 0 for concentric bodies."""
+    d, n = relative_pencil(g, t)
+    if n[2] == 0:
+        return 0.0, 1.0, True
+    d, n, start, turned = nearer_end(d, n)
+    x, converged = maximise(d, n, start, precision)
+    return contact_value(d, n, x), (1 - x) / x if turned else x / (1 - x), converged
 
 
 @kernel

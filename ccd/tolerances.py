@@ -1,17 +1,21 @@
 """Every tolerance of the collision detection, with its unit and what it buys."""
 
 EXACT = 1e-5                # relative step of lambda at which Newton stops; lambda then errs by about its square, the gap by its 4th power
+SHARP = 1e-8                # the same where lambda itself is wanted to the last digits: one more step, now and then
 COARSE = 3e-2               # the same for a plane that only has to separate: every lambda gives a certificate, this one nearly the best
 PENCIL_STEPS = 60           # cap of Newton with bisection; 2 to 5 are used, bisection alone would need 50
 TOUCHING = 1e-14            # gap at which two bodies touch, in units of the sum of their support values along the normal
 TOUCHING_STATE = 1e-12      # |f - 1| below which a static pair is called TOUCHING: what float64 can tell (paper errata, Theorem 1)
+TOUCHING_POINT = 1e-6       # |f - 1| up to which a pair has a contact point by Theorem 2; it then errs by half of this, relatively
 SHOOT_STEPS = 2000          # cap of the certified shoot; a regular contact takes about 10, grazing ones more; then UNRESOLVED
+ROUNDING = 4e-15            # relative error of the terms of the characteristic polynomial over the aspect ratio of B: some 20 roundings
+UNDERFLOW = 1e-280          # discriminant (of roots in units of the relative sizes) below which float64 loses digits; then f decides
 ROOT = 2e-16                # width, in units of the interval searched, at which Bézier clipping has found a root
 CLIPS_WELL = 0.8            # part of an interval left by clipping above which it is halved instead: several roots are near (Nishita et al.)
 CLIPPING_STEPS = 400        # cap of Bézier clipping; a simple root takes 4 to 6
 VANISHING = 1e-13           # part of a polynomial's largest control point below which a denominator counts as zero
 CONCENTRIC = 1e-6           # f at u = 1/2 below which a deep overlap is not looked into further
-ROUNDING = 1e-15            # f - 1 at which a recursive Bézier shoot has arrived: the last places of f
+ARRIVED = 1e-15             # f - 1 at which a recursive Bézier shoot has arrived: the last places of f
 CONTACT_TIME_STEPS = 100    # cap of the false position for a contact instant; about 8 are used
 NARROW = 1e-14              # width, in units of the time span, at which an undecided interval is left UNRESOLVED
 SIDE = 1e-12                # first step, in units of the time span, beside an end where the bodies touch (the paper's epsilon, Remark 3)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ccd
-from ccd import Bodies, Ellipsoid, FreeFlight, Rest
+from ccd import AffineEllipsoid, Bodies, Ellipsoid, FreeFlight, Rest
 from ccd.contacts import contact_functions, contact_pairs
 
 NAN, INF = float("nan"), float("inf")
@@ -53,6 +53,49 @@ def test_separation_takes_ellipsoids(wrong):
         ccd.separation(wrong, B)
     with pytest.raises(ValueError, match=r"^b = "):
         ccd.separation(A, wrong)
+
+
+@pytest.mark.parametrize("question", [ccd.state, ccd.contact_point, ccd.characteristic_polynomial])
+@pytest.mark.parametrize("wrong", [None, (1, 1, 1), 3, Rest()])
+def test_the_questions_of_section_2_take_ellipsoids(question, wrong):
+    with pytest.raises(ValueError, match=r"^a = .*AffineEllipsoid"):
+        question(wrong, B)
+    with pytest.raises(ValueError, match=r"^b = .*AffineEllipsoid"):
+        question(A, wrong)
+
+
+@pytest.mark.parametrize(("a", "b"), [(A, B), (A, Ellipsoid((1, 2, 3))), (A, A), (AffineEllipsoid((1, 1, 1), np.eye(3)), B)])
+def test_only_touching_pairs_have_a_contact_point(a, b):
+    with pytest.raises(ValueError, match=r"contact function is [\d.]+, expected 1 to within 1e-06"):
+        ccd.contact_point(a, b)
+
+
+def test_sizes_too_different_for_float64_are_told_and_not_guessed():
+    a, b = Ellipsoid((1, 2, 3)), Ellipsoid((3e120, 2e120, 1e120), (2e120, 1e120, 1.1e120), (1, 0.2, 0.3, 0))
+    for question in (ccd.state, ccd.separation, ccd.contact_point):
+        with pytest.raises(ArithmeticError, match="double precision"):
+            question(a, b)
+    near, far = (Bodies(*(np.array([x, y]) for x, y in zip(*((body.semi_axes, body.center, body.orientation) for body in pair))))
+                 for pair in ((A, a), (B, b)))
+    with pytest.raises(ArithmeticError, match=r"pair 1.*double precision"):
+        ccd.batch.state(near, far)
+    assert np.isnan(ccd.batch.contact_function(near, far)).tolist() == [False, True]
+
+
+@pytest.mark.parametrize("wrong", [np.zeros((3, 3)), np.ones((3, 3)), [[1, 2, 3], [4, 5, 6], [7, 8, 9]], np.diag([1, 1, 1e-17])])
+def test_a_linear_map_must_not_be_singular(wrong):
+    with pytest.raises(ValueError, match=r"^linear = .*singular"):
+        AffineEllipsoid((1, 1, 1), wrong)
+
+
+@pytest.mark.parametrize(("name", "wrong"), [
+    *[("linear", wrong) for wrong in (np.eye(4), (1, 1, 1), np.full((3, 3), NAN), 1.0, "abc", None)],
+    *[("translation", wrong) for wrong in ((1, 2), (1, 2, INF), None)],
+    *[("semi_axes", wrong) for wrong in ((1, 2), (1, 2, 0), (1, 2, NAN), None)],
+])
+def test_an_affine_pose_is_a_matrix_and_a_vector(name, wrong):
+    with pytest.raises(ValueError, match=name):
+        AffineEllipsoid(**({"semi_axes": (1, 1, 1), "linear": np.eye(3)} | {name: wrong}))
 
 
 @pytest.mark.parametrize("wrong", [None, (1, 1, 1), A])
@@ -106,7 +149,7 @@ def three():
 
 
 def test_batches_are_of_one_length(two, three):
-    for question in (ccd.batch.first_contact, ccd.batch.contact_function):
+    for question in (ccd.batch.first_contact, ccd.batch.contact_function, ccd.batch.state):
         with pytest.raises(ValueError, match="bodies_b"):
             question(two, three)
 
@@ -128,8 +171,9 @@ def test_no_body_of_a_batch_may_vanish(three):
 def test_a_batch_takes_bodies(two, wrong):
     with pytest.raises(ValueError, match="bodies_a"):
         ccd.batch.first_contact(wrong, two)
-    with pytest.raises(ValueError, match="bodies_b"):
-        ccd.batch.contact_function(two, wrong)
+    for question in (ccd.batch.contact_function, ccd.batch.state):
+        with pytest.raises(ValueError, match="bodies_b"):
+            question(two, wrong)
 
 
 @pytest.mark.parametrize(("name", "wrong"), [

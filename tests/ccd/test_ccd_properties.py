@@ -71,6 +71,51 @@ def test_it_does_not_matter_who_is_called_first(a, b):
     np.testing.assert_allclose(ba.point, ab.point, rtol=0, atol=1e-6)
 
 
+def clearly(a, b):
+    """The state of a pair whose rounding, in the pose or in its image, cannot matter."""
+    found = ccd.separation(a, b)
+    assume(abs(found.contact_function - 1) > 1e-9)
+    return found.state
+
+
+@modest
+@given(ELLIPSOIDS, ELLIPSOIDS)
+def test_the_polynomial_read_backwards_is_that_of_the_pair_swapped(a, b):
+    assert ccd.state(a, b) == ccd.state(b, a) == clearly(a, b)
+    ab, ba = ccd.characteristic_polynomial(a, b), ccd.characteristic_polynomial(b, a)
+    exact = [np.linalg.det(value * b.quadric - a.quadric) for value in (-1.0, 1.0)]
+    assume(min(abs(value) for value in exact) > 1e-6 * abs(ab).max())
+    np.testing.assert_allclose(ba[[0, -1]], ab[[-1, 0]], rtol=1e-11)
+    np.testing.assert_allclose([np.polyval(ba, value) for value in (-1.0, 1.0)], [np.polyval(ab, value) for value in (-1.0, 1.0)],
+                               rtol=0, atol=1e-7 * abs(ab).max())
+
+
+@modest
+@given(ELLIPSOIDS, ELLIPSOIDS, QUATERNIONS, vectors(-10, 10), st.sampled_from([1e-6, 1.0, 1e6]))
+def test_the_state_looks_alike_from_anywhere_and_in_any_unit(a, b, q, shift, unit):
+    expected = clearly(a, b)
+    seen = [carried(body, Rotation.from_quat(q), shift) for body in (a, b)]
+    assert ccd.state(*(Ellipsoid(body.semi_axes * unit, body.center * unit, body.orientation) for body in seen)) == expected
+
+
+@modest
+@given(ELLIPSOIDS, ELLIPSOIDS, st.tuples(*[vectors(-2, 2)] * 3).map(np.array), vectors(-10, 10))
+def test_a_common_affine_map_changes_no_state(a, b, linear, shift):
+    assume(np.linalg.cond(linear) < 1e3)
+    images = [ccd.AffineEllipsoid(body.semi_axes, linear @ body.rotation_matrix, linear @ body.center + shift) for body in (a, b)]
+    assert ccd.state(*images) == clearly(a, b)
+
+
+@modest
+@given(ELLIPSOIDS, ELLIPSOIDS, st.tuples(*[vectors(-2, 2)] * 3).map(np.array), vectors(-10, 10))
+def test_the_contact_point_goes_where_an_affine_map_takes_it(a, b, linear, shift):
+    assume(np.linalg.norm(a.center - b.center) > 1e-3 and np.linalg.cond(linear) < 1e2)
+    size = np.sqrt(ccd.separation(a, b).contact_function)
+    a, b = (Ellipsoid(body.semi_axes * size, body.center, body.orientation) for body in (a, b))
+    images = [ccd.AffineEllipsoid(body.semi_axes, linear @ body.rotation_matrix, linear @ body.center + shift) for body in (a, b)]
+    np.testing.assert_allclose(ccd.contact_point(*images), linear @ ccd.contact_point(a, b) + shift, rtol=0, atol=1e-6)
+
+
 @modest
 @given(ELLIPSOIDS, MOTIONS, ELLIPSOIDS, MOTIONS)
 def test_it_does_not_matter_who_is_called_first_in_flight(a, motion_a, b, motion_b):
