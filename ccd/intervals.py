@@ -66,13 +66,32 @@ def has_no_loop(grid, start, end, level, work):
     """Whether F, not positive at start and end, is proved not to be positive between them (paper, Sec. 3.2, COI handling).
 
     Either all control points are negative, or F_t has one sign in the sub-region where F can be positive, found by cutting
-    off what lies outside the hull of the control points, in u and in t, until nothing more comes off. level: as for `bezier_shoot`.
+    off what lies outside the hull of the control points, in u and in t, until nothing more comes off. Then u is cut into strips, the
+    narrower the shorter the interval: a shorter one alone would never help where nothing comes off in u. level: as for `bezier_shoot`.
     """
     f = work[2:7, :grid.shape[1]]
-    quartic(grid, level, f)
-    for i in range(5):
-        control_points(f[i], f[i])
-        restrict(f[i], start, end)
+    low, width = 0.0, 1.0
+    while low < 1.0:
+        quartic(grid, level, f)
+        for i in range(5):
+            control_points(f[i], f[i])
+            restrict(f[i], start, end)
+        for j in range(f.shape[1]):
+            restrict(f[:, j], low, low + width)
+        if _is_cut_away(f):
+            low += width
+            while width < 1 and low % (2 * width) == 0:
+                width *= 2
+        elif width > end - start:
+            width *= 0.5
+        else:
+            return False
+    return True
+
+
+@kernel
+def _is_cut_away(f):
+    """Whether cutting leaves no place in these control points for a loop of F. They are cut."""
     for _ in range(LOOP_ROUNDS):
         u_low, u_high = _row_range(f, False)
         t_low, t_high = _row_range(f, True)
