@@ -5,7 +5,7 @@ All functions return linear RGB (n, 3).
 
 import numpy as np
 
-from analysis.order import body_axes
+from analysis.axes import body_axes
 
 SPECIES = np.array([[0.68, -0.05, -0.10], [0.74, 0.07, 0.10], [0.72, -0.10, 0.07], [0.66, 0.13, -0.02], [0.80, -0.01, 0.14],
                     [0.60, 0.05, -0.13]])

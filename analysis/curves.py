@@ -3,9 +3,11 @@
 import json
 import os
 
-import h5py
 import numpy as np
 
+from analysis.reader import RunFile
+
+STANDS_STILL = 1e-9             # packing fraction: a spread below it is rounding
 COLOUR = "#1f4e8c"
 PRESSURE = r"reduced pressure $PV/nk_BT$"
 
@@ -13,10 +15,37 @@ PRESSURE = r"reduced pressure $PV/nk_BT$"
 def read_log(path):
     """The dense series of an edmd file.
 
-    A dict of arrays (M,), `time`, `collisions`, `packing_fraction`, `reduced_pressure` and the others.
+    A dict of arrays (M,), `time`, `collisions`, `packing_fraction`, `reduced_pressure` and the others: the M rows that are whole in all.
     """
-    with h5py.File(path, "r") as file:
-        return {name: values[()] for name, values in file["edmd/log"].items()}
+    with RunFile(os.fspath(path)) as file:
+        log = {name: values[()] for name, values in file["edmd/log"].items()}
+    rows = min(map(len, log.values()))
+    return {name: values[:rows] for name, values in log.items()}
+
+
+def is_at_rest(packing_fraction):
+    """Does the packing fraction stand still, but for rounding?"""
+    return np.ptp(packing_fraction) <= STANDS_STILL
+
+
+def plot_curve(x, y, output, error=None, x_label="", y_label=""):
+    """Draw one result, y (m,) against x (m,), into `output`, with error bars of one standard error where `error` (m,) is given.
+
+    As `plot_curve(*[results[name] for name in ("r", "g")], "g.pdf", results.error, "r", "g(r)")`. Points that are nan are left out.
+    Returns the path written.
+    """
+    from matplotlib.figure import Figure
+
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if x.ndim != 1 or x.shape != y.shape or (error is not None and np.shape(error) != x.shape):
+        raise ValueError(f"x, y, error have shapes {x.shape}, {y.shape}, {np.shape(error)}: expected one length (m,)")
+    figure = Figure(figsize=(4.8, 3.6), layout="constrained")
+    axes = figure.subplots()
+    _curve(axes, x, y, x_label, y_label)
+    if error is not None:
+        axes.errorbar(x, y, yerr=error, fmt="none", ecolor=COLOUR, elinewidth=0.8, capsize=1.5)
+    figure.savefig(output, dpi=200)
+    return os.fspath(output)
 
 
 def plot_compression(path, output):
@@ -33,7 +62,7 @@ def plot_compression(path, output):
         raise ValueError(f"path: {path} has no entries in its log yet; at least one is needed")
     figure = Figure(figsize=(9.0, 3.9), layout="constrained")
     left, right = figure.subplots(1, 2)
-    if np.ptp(log["packing_fraction"]) > 1e-9:
+    if not is_at_rest(log["packing_fraction"]):
         _curve(left, log["time"], log["packing_fraction"], "time", r"packing fraction $\phi$")
         _curve(right, log["packing_fraction"], log["reduced_pressure"], r"packing fraction $\phi$", PRESSURE)
         right.set_yscale("log")
@@ -65,7 +94,7 @@ def _show_mean(axes, values):
 
 def describe(path):
     """One line about a run: how many bodies of which shape, and its parameters."""
-    with h5py.File(path, "r") as file:
+    with RunFile(os.fspath(path)) as file:
         shapes = file["particles/trajectory/semi_axes/value"][0]
         parameters = json.loads(file["edmd"].attrs["parameters"])
     ratios = np.unique((shapes / shapes.min(axis=1, keepdims=True)).round(6), axis=0)

@@ -4,6 +4,7 @@ Products are taken of *weighted* coefficients, binomial(n, i) c_i, because these
 that of the control points c_i themselves. Polynomials are one-dimensional arrays of length degree + 1, filled in by their caller.
 """
 
+from functools import cache
 from math import comb, inf
 
 import numpy as np
@@ -11,10 +12,16 @@ import numpy as np
 from ccd.compiling import kernel
 from ccd.tolerances import CLIPPING_STEPS, CLIPS_WELL, ROOT, VANISHING
 
+MOST = 512                      # highest degree
+RECIPROCAL = np.array([0.0] + [1 / k for k in range(1, MOST + 1)])
 
+
+@cache
 def binomials(n):
     """binomial(n, i) for i = 0 ... n as floats: exact up to n = 56, to the last bit beyond."""
-    return np.array([comb(n, i) for i in range(n + 1)], dtype=np.float64)
+    row = np.array([comb(n, i) for i in range(n + 1)], dtype=np.float64)
+    row.flags.writeable = False
+    return row
 
 
 @kernel
@@ -102,8 +109,10 @@ def keep_left(c, s):
 @kernel
 def restrict(c, low, high):
     """Restrict control points to [low, high], in place."""
-    keep_right(c, low)
-    keep_left(c, (high - low) / (1 - low) if low < 1 else 0.0)
+    if low > 0.0:
+        keep_right(c, low)
+    if high < 1.0:
+        keep_left(c, (high - low) / (1 - low))
 
 
 @kernel
@@ -112,6 +121,14 @@ def _part(p, low, high, c):
     for i in range(len(c)):
         c[i] = p[i]
     restrict(c, low, high)
+
+
+@kernel
+def _is_positive(c):
+    smallest = inf
+    for x in c:
+        smallest = min(smallest, x)
+    return smallest > 0.0
 
 
 @kernel
@@ -125,7 +142,7 @@ def _hull_crossing(c, sign, from_right):
     while at < n:                                   # from vertex to vertex along the lower hull
         steepest, vertex = inf, n
         for i in range(at + 1, n + 1):
-            slope = (sign * c[first + step * i] - here) / (i - at)
+            slope = (sign * c[first + step * i] - here) * RECIPROCAL[i - at]
             if slope <= steepest:
                 steepest, vertex = slope, i
         there = sign * c[first + step * vertex]
@@ -148,7 +165,7 @@ def first_root(p, c):
         if fresh:
             _part(p, low, low + width, c)
             fresh = False
-        left = _hull_crossing(c, 1.0, False)
+        left = inf if _is_positive(c) else _hull_crossing(c, 1.0, False)
         if left == inf:
             low += width
             if low >= 1.0:

@@ -7,7 +7,7 @@ which at a contact is the one that maximises F, and whose value does not depend 
 
 from math import inf, sqrt
 
-from ccd.bernstein import control_points, first_root, restrict, without_root_at_start
+from ccd.bernstein import first_root, restrict, without_root_at_start
 from ccd.compiling import kernel
 from ccd.grid import coefficients, held
 from ccd.separation import contact_value, maximise
@@ -43,7 +43,6 @@ def slope(grid, u, t, work):
     """The derivative in t of F(u, t), times a positive number."""
     p = work[0, :grid.shape[1]]
     held(grid, u, 1.0, p)
-    control_points(p, p)
     if len(p) == 1:
         return 0.0
     if t < 0.5:
@@ -64,7 +63,6 @@ def bezier_shoot(grid, certificate, start, end, work):
     size = grid.shape[1]
     p = work[0, :size]
     held(grid, u, level, p)
-    control_points(p, p)
     restrict(p, min(start, end), max(start, end))
     if end < start:
         for i in range(size // 2):

@@ -79,7 +79,10 @@ def _forget_old(base, package, keep):
 
 
 def kernel(function):
-    """Compile with numba: cached on disk, free of the interpreter lock, division as in numpy, never fastmath (inf means "no event")."""
+    """Compile with numba: cached on disk, free of the interpreter lock, division as in numpy, never fastmath (inf means "no event").
+
+    A kernel allocates nothing and counts no references: one that returns a view of an array is called by kernels only.
+    """
     return _compile(function, nogil=True, error_model="numpy", _nrt=False, forceinline=True)
 
 

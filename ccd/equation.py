@@ -10,7 +10,7 @@ from ccd.answers import Contact, Interval
 from ccd.bernstein import binomials
 from ccd.bezier_shoot import best_certificate, recursive_shoot, state_of
 from ccd.ellipsoid import Ellipsoid
-from ccd.grid import TERMS, condition, degrees, fill_grid, quartic, touch
+from ccd.grid import condition, degrees, empty_grid, empty_work, fill_grid, quartic, touch
 from ccd.intervals import PIECES, STACK, WORK, separation_intervals, tangent_instant
 from ccd.motion import AffineInterpolant, AffineMotion, FreeFlight, RationalMotion, approximate_flight
 from ccd.motion.tensors import Tensors
@@ -138,10 +138,11 @@ class CCDEquation:
             return _product(mu_a, mu_a, mu_b, mu_b, mu_b)
         return _product(*3 * [mu_a, mu_b, part.a.v, part.a.v, part.b.v, part.b.v])
 
-    def _raise(self, rows, part):
-        """Rows of weighted coefficients of the minimal degree as the paper's F has them."""
-        factor = self._paper_factor(part)
-        return np.array([_product(row, factor, binomials(self.degree_t + 2 - len(row) - len(factor))) for row in rows])
+    def _raise(self, minimal, part):
+        """A grid of the minimal degree as that of the paper's F."""
+        grid, factor = empty_grid(self.degree_t), self._paper_factor(part)
+        grid[:7] = [_product(row, factor, binomials(self.degree_t + 2 - len(row) - len(factor))) for row in minimal[:7]]
+        return grid
 
 
 @dataclass
@@ -183,15 +184,15 @@ def _body(name, body, motion_name, motion):
 
 def _grid(a, b):
     degree_r, rows = degrees(a, b)
-    grid = np.empty((7, max(rows) + 1))
-    fill_grid(grid, a, b, degree_r, np.empty((TERMS, max(rows) + 1)))
+    grid = empty_grid(max(rows))
+    fill_grid(grid, a, b, degree_r, empty_work(max(rows)))
     return grid
 
 
 def _quartic(grid):
     out = np.empty((5, grid.shape[1]))
     quartic(grid, 1.0, out)
-    return out / binomials(grid.shape[1] - 1)
+    return out
 
 
 def _product(first, *others):

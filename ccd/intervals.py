@@ -8,7 +8,7 @@ proved is TOUCHING (a tangential contact), and one that is too narrow to be deci
 
 from math import nan
 
-from ccd.bernstein import control_points, restrict
+from ccd.bernstein import restrict
 from ccd.bezier_shoot import best_certificate, bezier_shoot, contact_time, slope, state_of
 from ccd.compiling import kernel
 from ccd.grid import quartic
@@ -74,7 +74,6 @@ def has_no_loop(grid, start, end, level, work):
     while low < 1.0:
         quartic(grid, level, f)
         for i in range(5):
-            control_points(f[i], f[i])
             restrict(f[i], start, end)
         for j in range(f.shape[1]):
             restrict(f[:, j], low, low + width)

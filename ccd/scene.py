@@ -11,7 +11,7 @@ from ccd.batch import Bodies
 from ccd.bezier_shoot import recursive_shoot
 from ccd.compiling import kernel
 from ccd.frame_culling import plane_holds, spheres_meet
-from ccd.grid import fill_grid, touch
+from ccd.grid import empty_grid, fill_grid, touch
 from ccd.motion import RationalMotion
 from ccd.motion.tensors import Tensors, interpolated_tensors, rigid_tensors
 from ccd.rotation import body_axes, load_quaternion
@@ -142,12 +142,13 @@ class _Space(NamedTuple):
     ready_a: np.ndarray
     ready_b: np.ndarray
     grid: np.ndarray
-    work: np.ndarray
+    tall: np.ndarray
+    wide: np.ndarray
 
 
 def _stack(n, q, p, det, mu, path):
-    return Tensors(np.empty((n, 6, q + 1)), np.empty((n, 6, p + 1)), np.empty((n, det + 1)), np.empty((n, mu + 1)), np.ones((n, 1)),
-                   np.empty((n, 3, path + 1)))
+    return Tensors(np.empty((n, q + 1, 6)), np.empty((n, p + 1, 6)), np.empty((n, det + 1)), np.empty((n, mu + 1)), np.ones((n, 1)),
+                   np.empty((n, path + 1, 3)))
 
 
 def _space(n_a, n_b, rigid):
@@ -156,8 +157,8 @@ def _space(n_a, n_b, rigid):
     else:                               # relative motions belong to a pair: one at a time
         a, b = _stack(1, 0, 0, 0, 0, 0), _stack(1, 2, 1, 0, 3, 1)
     degree = DEGREE[rigid]
-    return _Space(a, b, np.zeros(n_a, dtype=np.bool_), np.zeros(n_b, dtype=np.bool_), np.empty((7, degree + 1)),
-                  np.empty((24, degree + 1)))
+    return _Space(a, b, np.zeros(n_a, dtype=np.bool_), np.zeros(n_b, dtype=np.bool_), empty_grid(degree),
+                  np.empty((degree + 1, 15)), np.empty((12, degree + 1)))
 
 
 @kernel
@@ -177,13 +178,14 @@ def _rigid_member(stack, ready, k, row, work):
     tensors = _member(stack, k)
     if not ready[k]:
         ready[k] = True
-        rotation, translation, one = work[0:4, :2], work[4:7, :2], work[7, :1]
+        tall, wide = work
+        rotation, translation, one = wide[0:4, :2], wide[4:7, :2], wide[7, :1]
         one[0] = 1.0
         for i in range(4):
             rotation[i, 0], rotation[i, 1] = row[6 + i], row[13 + i] - row[6 + i]
         for i in range(3):
             translation[i, 0], translation[i, 1] = row[3 + i], row[10 + i] - row[3 + i]
-        rigid_tensors(tensors, load(row, 0), (rotation, translation, one), (0.0, 1.0), work[8:])
+        rigid_tensors(tensors, load(row, 0), (rotation, translation, one), (0.0, 1.0), (tall, wide[8:]))
     return tensors
 
 
@@ -203,8 +205,8 @@ def _affine_pair(a, b, row_a, row_b, work):
         store(centers[end], 0, center)
     squares = size_a[0]**2, size_a[1]**2, size_a[2]**2
     for k in range(3):
-        a.q[k, 0], a.q[k + 3, 0], a.p[k + 3, 0], a.path[k, 0] = squares[k], 0.0, 0.0, 0.0
-        a.p[k, 0] = squares[(k + 1) % 3] * squares[(k + 2) % 3]
+        a.q[0, k], a.q[0, k + 3], a.p[0, k + 3], a.path[0, k] = squares[k], 0.0, 0.0, 0.0
+        a.p[0, k] = squares[(k + 1) % 3] * squares[(k + 2) % 3]
     a.det[0], a.mu[0] = squares[0] * squares[1] * squares[2], 1.0
     interpolated_tensors(b, inverses, centers, (0.0, 1.0))
 
@@ -223,19 +225,19 @@ def _pair(row_a, row_b, pair, options, bound, space):
         return OVERLAPPING, 0.0, 0.5
     if not converged:
         return UNRESOLVED, 0.0, 0.5
-    work = space.work
+    work = (space.tall, space.wide)
     if rigid:
         a, b = _rigid_member(space.a, space.ready_a, i, row_a, work), _rigid_member(space.b, space.ready_b, j, row_b, work)
         if planes:
             q_start, q_end = load_quaternion(row_b, 6), load_quaternion(row_b, 13)
             m = _into(body_axes(q_start), n)
-            if plane_holds((m, h_b), (q_start, q_end), (r_start, r_end), a, bound, work):
+            if plane_holds((m, h_b), (q_start, q_end), (r_start, r_end), a, bound, space.wide):
                 return PLANE_HOLDS, inf, 0.5
     else:
         a, b = _member(space.a, 0), _member(space.b, 0)
-        _affine_pair(a, b, row_a, row_b, work)
+        _affine_pair(a, b, row_a, row_b, space.wide)
     fill_grid(space.grid, a, b, 1, work)
-    status, time, u, _ = recursive_shoot(space.grid, bound, work)
+    status, time, u, _ = recursive_shoot(space.grid, bound, space.wide)
     return OUTCOME_OF[status], time, u
 
 
@@ -269,6 +271,6 @@ def _frame(rows_a, rows_b, options, outcomes, times, space):
             a, b = _member(space.a, first_i), _member(space.b, first_j)
         else:
             a, b = _member(space.a, 0), _member(space.b, 0)
-            _affine_pair(a, b, rows_a[first_i], rows_b[first_j], space.work)
+            _affine_pair(a, b, rows_a[first_i], rows_b[first_j], space.wide)
         point, n = touch(a, b, earliest, best_u)
     return earliest, (first_i, first_j), point, n

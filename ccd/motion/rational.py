@@ -81,7 +81,7 @@ class RationalMotion:
         k, m, d = self.rotation.shape[1] - 1, self.translation.shape[1] - 1, len(self.denominator) - 1
         tensors = empty_tensors(q=4 * k, p=4 * k, det=4 * k + 2 * d, mu=4 * k, v=d, path=m)
         fault = rigid_tensors(tensors, semi_axes, (self.rotation, self.translation, self.denominator), span,
-                              np.empty((16, 2 * max(k, d) + 1)))
+                              (np.empty((2 * k + 1, 13)), np.empty((3, 2 * max(k, d) + 1))))
         return tensors, WHY_NOT.get(fault)
 
 
@@ -115,7 +115,7 @@ class AffineMotion:
         k, m, d = self.linear.shape[2] - 1, self.translation.shape[1] - 1, len(self.denominator) - 1
         tensors = empty_tensors(q=2 * k + 2 * d, p=4 * k, det=6 * k, mu=4 * d, v=d, path=m)
         fault = affine_tensors(tensors, semi_axes, (self.linear.reshape(9, k + 1), self.translation, self.denominator), span,
-                               np.empty((20, max(3 * k, 2 * d) + 1)))
+                               (np.empty((2 * k + 1, 24)), np.empty((3, max(3 * k, 2 * d) + 1))))
         return tensors, WHY_NOT.get(fault)
 
 

@@ -1,6 +1,11 @@
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from runs import random_quaternions, write_run
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "oracles"))
 
 
 @pytest.fixture

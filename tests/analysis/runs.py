@@ -8,7 +8,8 @@ import numpy as np
 UNITS = {"position": "Angstrom", "velocity": "Angstrom ps-1"}
 
 
-def write_run(path, positions, orientations, semi_axes, cells, times, log=None, species=None, parameters=None):
+def write_run(path, positions, orientations, semi_axes, cells, times, log=None, species=None, parameters=None,
+              images=0, velocities=None):
     """One frame for each time; arrays lack the frame axis where they stand still."""
     frames, n = len(times), np.shape(positions)[-2]
     rng = np.random.default_rng(7)
@@ -18,11 +19,11 @@ def write_run(path, positions, orientations, semi_axes, cells, times, log=None, 
 
     series = {
         "position": every_frame(positions, (n, 3)),
-        "velocity": rng.normal(size=(frames, n, 3)),
+        "velocity": rng.normal(size=(frames, n, 3)) if velocities is None else every_frame(velocities, (n, 3)),
         "orientation": every_frame(orientations, (n, 4)),
         "angular_velocity": rng.normal(size=(frames, n, 3)),
         "semi_axes": every_frame(semi_axes, (n, 3)),
-        "image": np.zeros((frames, n, 3), dtype=np.int32),
+        "image": every_frame(images, (n, 3)).astype(np.int32),
     }
     with h5py.File(path, "w") as file:
         file.create_group("h5md").attrs["version"] = [1, 1]
@@ -54,6 +55,12 @@ def write_run(path, positions, orientations, semi_axes, cells, times, log=None, 
         for name, values in (log or {}).items():
             edmd[f"log/{name}"] = values
     return path
+
+
+def wrapped(unwrapped, cell):
+    """Positions inside the cell (3, 3), and the images that lead back to the unwrapped ones."""
+    images = np.floor(unwrapped @ np.linalg.inv(cell))
+    return unwrapped - images @ cell, images
 
 
 def linked(parent, name, position):

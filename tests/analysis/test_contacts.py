@@ -115,6 +115,8 @@ def test_along_a_trajectory(tmp_path):
     assert results.mean[1] == pytest.approx((12 * 108 - 24) / 107, abs=1e-12)
     assert results.contact_numbers.shape == (2, 108)
     assert results.contact_numbers[1, 17] == 0
+    assert not results.held[0].any()
+    assert np.flatnonzero(~results.held[1]).tolist() == [17]
 
 
 def test_in_full_precision(tmp_path):
@@ -123,6 +125,46 @@ def test_in_full_precision(tmp_path):
     path = write_run(tmp_path / "run.h5md", positions, UPRIGHT, ROUND, cell, [0])
     atoms = mda.Universe(path).atoms
     assert analysis.ContactNumbers(atoms, gap=1e-9).run().results.mean.tolist() == [12.0]
+
+
+# near contacts
+
+def simple_cubic(distance, cells=4):
+    return distance * np.stack(np.meshgrid(*[np.arange(cells)] * 3, indexing="ij"), axis=-1).reshape(-1, 3), distance * cells * np.eye(3)
+
+
+def test_gaps_of_a_crystal_are_those_of_its_shells():
+    positions, cell = simple_cubic(1.03)
+    found = analysis.gaps(*frame(positions, ROUND), cell, largest=0.5)
+    np.testing.assert_allclose(found, [0.03] * 3 * 64 + [1.03 * np.sqrt(2) - 1] * 6 * 64, atol=1e-12)
+    overlapping = analysis.gaps(*frame(positions, 1.1 * ROUND), cell, largest=0.01)
+    np.testing.assert_allclose(overlapping, [1.03 / 1.1 - 1] * 3 * 64, atol=1e-12)
+
+
+def test_neighbours_within_a_gap_along_a_trajectory(tmp_path):
+    """A stretched crystal: its gaps are those of the spheres. Two frames: the second a little denser."""
+    positions, cell = simple_cubic(1.01)
+    stretch = np.array([1, 1, 2.0])
+    axes = np.array([1, 1.005])[:, None, None] * np.tile(ROUND * stretch, (64, 1))
+    path = write_run(tmp_path / "run.h5md", positions * stretch, UPRIGHT, axes, cell * stretch, [0, 1])
+    results = analysis.NearContacts(mda.Universe(path).atoms, smallest=1.1e-3, largest=1.0, bins=300).run().results
+    shells = {np.sqrt(1): 6, np.sqrt(2): 12, np.sqrt(3): 8}
+    expected = sum(number * (results.gap > 1.01 * shell / scale - 1) / 2 for shell, number in shells.items() for scale in (1, 1.005))
+    np.testing.assert_allclose(results.contacts, expected, atol=1e-12)
+    assert np.sum(results.density * np.diff(results.gap)) == pytest.approx(26, abs=1e-9)
+
+
+def test_spheres_at_random_have_gaps_as_the_volume(tmp_path):
+    """Centres of an ideal gas: neighbours with mu < m fill a sphere of radius m, overlaps included."""
+    rng = np.random.default_rng(3)
+    n, frames, side = 200, 20, 8.0
+    path = write_run(tmp_path / "run.h5md", side * rng.random((frames, n, 3)), UPRIGHT, ROUND, side * np.eye(3), np.arange(frames))
+    results = analysis.NearContacts(mda.Universe(path).atoms, smallest=0.01, largest=1.0, bins=20).run().results
+    expected = (n - 1) / side**3 * 4 / 3 * np.pi * (1 + results.gap)**3
+    pairs = expected * n * frames / 2
+    assert np.all(np.abs(results.contacts / expected - 1) < 4 / np.sqrt(pairs))
+    with pytest.raises(ValueError, match="smallest, largest"):
+        analysis.NearContacts(mda.Universe(path).atoms, smallest=0.1, largest=0.01)
 
 
 @pytest.mark.parametrize(("name", "value"), [("positions", np.zeros((4, 2))), ("orientations", np.ones((3, 4))),

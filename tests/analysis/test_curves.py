@@ -1,3 +1,4 @@
+import h5py
 import numpy as np
 import pytest
 from matplotlib.image import imread
@@ -55,6 +56,26 @@ def test_an_empty_log_is_refused(tmp_path):
     path = write(tmp_path / "run.h5md", np.empty(0))
     with pytest.raises(ValueError, match=r"path: .* no entries in its log"):
         analysis.plot_compression(path, tmp_path / "out.png")
+
+
+def test_a_result_is_drawn_with_its_errors(tmp_path):
+    x = np.linspace(0, 5, 20)
+    for error, marks in ((None, 0), (np.full(20, 0.3), 20)):
+        assert analysis.plot_curve(x, np.sin(x), tmp_path / "curve.svg", error, "r", "g(r)") == str(tmp_path / "curve.svg")
+        text = (tmp_path / "curve.svg").read_text()
+        bars = text.split('id="LineCollection_1"')[1].split("</g>")[0].count("<path") if "LineCollection" in text else 0
+        assert bars == marks
+        assert "g(r)" in text
+    with pytest.raises(ValueError, match="shapes"):
+        analysis.plot_curve(x, np.sin(x), tmp_path / "curve.svg", np.ones(3))
+
+
+def test_a_log_whose_last_row_is_there_in_part_is_read_without_it(tmp_path):
+    path = write(tmp_path / "run.h5md", np.linspace(0.3, 0.7, 5))
+    with h5py.File(path, "a") as file:
+        del file["edmd/log/pressure"]
+        file["edmd/log/pressure"] = np.ones(4)
+    assert {len(values) for values in analysis.read_log(path).values()} == {4}
 
 
 def test_the_log_is_read_as_it_stands(tmp_path):

@@ -1,7 +1,7 @@
 import MDAnalysis as mda
 import numpy as np
 import pytest
-from runs import fcc, write_run
+from runs import fcc, random_quaternions, write_run
 
 import analysis
 
@@ -77,3 +77,123 @@ def test_what_cannot_be_answered_is_refused():
         analysis.radial_distribution(positions[:1], cell, 1.0)
     with pytest.raises(ValueError, match="cell"):
         analysis.radial_distribution(positions, np.ones((3, 3)), 1.0)
+
+
+# how neighbours are turned
+
+def test_g2_of_layers_of_parallel_bodies_is_the_legendre_polynomial_of_the_turn_between_layers():
+    """A simple cubic lattice whose layers are turned by an angle in turn: neighbours in the layer 1, in the next P2(cos angle)."""
+    angle, steps = 0.7, np.arange(6)
+    positions = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3).astype(float)
+    odd = positions[:, 2] % 2
+    axes = np.column_stack([np.cos(odd * angle), np.sin(odd * angle), 0 * odd])
+    _, g2 = analysis.orientational_pair_correlation(positions, axes, 6 * np.eye(3), 1.65, 3)                   # shells at 1 and sqrt(2)
+    second = 1.5 * np.cos(angle)**2 - 0.5
+    assert np.isnan(g2[0])
+    np.testing.assert_allclose(g2[1:], [(4 + 2 * second) / 6, (4 + 8 * second) / 12], atol=1e-12)
+
+
+def test_g2_of_axes_at_random_is_zero_and_of_parallel_ones_one():
+    rng = np.random.default_rng(10)
+    n, frames, bins = 60, 100, 6
+    pairs, sums = np.zeros(bins), np.zeros(bins)
+    for _ in range(frames):
+        axes = rng.normal(size=(n, 3))
+        axes /= np.linalg.norm(axes, axis=1)[:, None]
+        positions = rng.random((n, 3)) @ SKEW
+        _, g2 = analysis.orientational_pair_correlation(positions, axes, SKEW, 2.0, bins)
+        _, g = analysis.radial_distribution(positions, SKEW, 2.0, bins)
+        counts = g * np.diff(np.linspace(0, 2, bins + 1)**3)                                    # in proportion to the pairs
+        pairs, sums = pairs + counts, sums + np.where(counts > 0, g2, 0) * counts
+    # P2 has variance 1/5 at random
+    number = pairs * n * (n - 1) / 2 * 4 / 3 * np.pi / np.linalg.det(SKEW)
+    assert np.all(np.abs(sums / pairs) < 4 * np.sqrt(0.2 / number))
+    _, parallel = analysis.orientational_pair_correlation(positions, np.tile([0, 0.6, 0.8], (n, 1)), SKEW, 2.0, 2)
+    np.testing.assert_allclose(parallel, 1, atol=1e-12)
+
+
+# along and across the director
+
+def test_layers_are_peaks_along_and_columns_across():
+    """Layers of an ideal gas, two apart along a director that is askew in the cell, and columns of one along it."""
+    rng = np.random.default_rng(1)
+    n, bins = 2000, 10
+    director = np.array([0.0, 0.6, 0.8])
+    box = np.linalg.qr(np.column_stack([director, np.eye(3)[0], np.eye(3)[1]]))[0].T * [[8], [12], [12]]      # rows; the first along it
+    layers = (rng.integers(4, size=(n, 1)) * 0.25 + [[0.03]]) @ box[:1] + rng.random((n, 2)) @ box[1:]
+    r, g = analysis.cylindrical_distribution(layers, box, director, 2.75, bins)
+    width = 0.275
+    assert r[0] == pytest.approx(width / 2)
+    expected = np.zeros(bins)
+    expected[[0, 7]] = 1 / 4 * 8 / (2 * width) * np.array([1, 2])        # a quarter of all pairs at z = 0, half at 2 and -2
+    pairs = n * n / 2 * np.pi * 2.75**2 / 144
+    np.testing.assert_allclose(analysis.along(g), expected, atol=5 * expected.max() / np.sqrt(pairs / 4))
+    pairs = n * n / 2 * 3 / 4 * np.pi * np.diff((width * np.arange(bins + 1))**2) / 144
+    np.testing.assert_array_less(np.abs(analysis.across(g) - expected.sum() / bins), 5 * expected.sum() / bins / np.sqrt(pairs))
+
+
+def test_an_ideal_gas_has_one_in_every_ring():
+    rng = np.random.default_rng(5)
+    n, frames, bins, r_max = 60, 200, 4, 1.4
+    director = np.array([2.0, -6.0, 3.0]) / 7
+    found = [analysis.cylindrical_distribution(rng.random((n, 3)) @ SKEW, SKEW, director, r_max, bins)[1] for _ in range(frames)]
+    g = np.mean(found, axis=0)
+    edges = np.linspace(0, r_max, bins + 1)
+    pairs = frames * n * (n - 1) / 2 * 2 * np.diff(edges)[:, None] * np.pi * np.diff(edges**2) / np.linalg.det(SKEW)
+    assert np.all(np.abs(g - 1) < 4 / np.sqrt(pairs))
+    assert abs(np.average(g, weights=pairs) - 1) < 4 / np.sqrt(pairs.sum())
+    for mean, numbers in ((analysis.along(g), pairs.sum(axis=1)), (analysis.across(g), pairs.sum(axis=0))):
+        assert np.all(np.abs(mean - 1) < 4 / np.sqrt(numbers))
+
+
+def test_means_over_a_cylinder_are_counts_in_slabs_and_tubes():
+    rng = np.random.default_rng(6)
+    positions, director, r_max = rng.random((40, 3)) @ SKEW, np.array([0.6, 0.0, 0.8]), 1.2
+    _, g = analysis.cylindrical_distribution(positions, SKEW, director, r_max, 4)
+    images = np.stack(np.meshgrid(*[np.arange(-2, 3)] * 3, indexing="ij"), axis=-1).reshape(-1, 3) @ SKEW
+    separation = np.concatenate([positions[j] + images - positions[i] for i in range(40) for j in range(i)])
+    z, rho = np.abs(separation @ director), np.linalg.norm(np.cross(separation, director), axis=1)
+    inside = (z < r_max) & (rho < r_max)
+    density = 40 * 39 / 2 / np.linalg.det(SKEW)
+    edges = np.linspace(0, r_max, 5)
+    slabs, tubes = (np.histogram(values[inside], bins=edges)[0] for values in (z, rho))
+    np.testing.assert_allclose(analysis.along(g), slabs / (density * 2 * 0.3 * np.pi * r_max**2), rtol=1e-12)
+    np.testing.assert_allclose(analysis.across(g), tubes / (density * 2 * r_max * np.pi * np.diff(edges**2)), rtol=1e-12)
+
+
+def test_all_pair_distributions_along_a_trajectory(tmp_path):
+    """The means of the function over the frames, with errors that cover an ideal gas."""
+    rng = np.random.default_rng(8)
+    frames, n = 64, 30
+    positions = rng.random((frames, n, 3)) @ SKEW
+    q = random_quaternions(rng, frames * n).reshape(frames, n, 4)
+    atoms = mda.Universe(write_run(tmp_path / "run.h5md", positions, q, (1, 1, 2), SKEW, np.arange(frames))).atoms
+    radial = analysis.RadialDistribution(atoms, r_max=2.0, bins=4).run().results
+    expected = np.mean([analysis.radial_distribution(p, SKEW, 2.0, 4)[1] for p in positions], axis=0)
+    np.testing.assert_allclose(radial.g, expected, rtol=1e-13)
+    assert np.all(np.abs(radial.g - 1) < 4 * radial.error)
+    turned = analysis.OrientationalPairCorrelation(atoms, r_max=2.0, bins=4).run().results
+    assert np.all(np.abs(turned.g2) < 4 * turned.error)
+    np.testing.assert_allclose(turned.error, np.sqrt(0.2 / turned.pairs), rtol=0.5)
+    cylinder = analysis.CylindricalDistribution(atoms, r_max=1.2, bins=3, director=(0, 0, 1)).run().results
+    expected = np.mean([analysis.cylindrical_distribution(p, SKEW, (0, 0, 1), 1.2, 3)[1] for p in positions], axis=0)
+    np.testing.assert_allclose(cylinder.g, expected, rtol=1e-13)
+    assert np.all(np.abs(cylinder.along - 1) < 4 * cylinder.along_error)
+    assert np.all(np.abs(cylinder.across - 1) < 4 * cylinder.across_error)
+    parallel = analysis.CylindricalDistribution(atoms, r_max=1.2, bins=3).run(stop=1).results
+    axes = analysis.body_axes(q[0], np.tile([1, 1, 2.0], (n, 1)))
+    found = analysis.cylindrical_distribution(positions[0], SKEW, analysis.nematic_order(axes)[1], 1.2, 3)[1]
+    np.testing.assert_array_equal(parallel.g, found)
+
+
+def test_cylinders_that_reach_too_far_and_directions_that_are_none_are_refused():
+    positions, cell = fcc(2)
+    assert analysis.cylindrical_distribution(positions, cell, (0, 0, 1), 1.0, 2)[1].shape == (2, 2)
+    with pytest.raises(ValueError, match=r"r_max: 1.01; .* over sqrt\(2\)"):
+        analysis.cylindrical_distribution(positions, cell, (0, 0, 1), 1.01)
+    with pytest.raises(ValueError, match="director"):
+        analysis.cylindrical_distribution(positions, cell, (0, 0, 2), 1.0)
+    with pytest.raises(ValueError, match="bins"):
+        analysis.radial_distribution(positions, cell, 1.0, bins=0)
+    with pytest.raises(ValueError, match="axes"):
+        analysis.orientational_pair_correlation(positions, np.eye(3), cell, 1.0)

@@ -1,0 +1,82 @@
+"""Frame by frame: what the analyses here share. Each frame is answered by itself, so MDAnalysis may spread frames over processes."""
+
+import numpy as np
+from MDAnalysis.analysis.base import AnalysisBase
+from MDAnalysis.analysis.results import ResultsGroup
+
+from analysis.axes import body_axes
+
+
+class FrameAnalysis(AnalysisBase):
+    """A plain function applied to the atoms in every frame: `Subclass(u.atoms).run()`, `run(backend="multiprocessing", n_workers=4)`.
+
+    A subclass names its `SERIES`, and `_frame` returns a value for each of them; in `results` each is an array with one row a frame, which
+    `_conclude` may condense. Positions and cell are those of the file in float64 (`ts.data`), not those that a transformation has made;
+    of files of other programs they are MDAnalysis' float32.
+    """
+
+    SERIES = ()
+    _analysis_algorithm_is_parallelizable = True
+
+    @classmethod
+    def get_supported_backends(cls):
+        return ("serial", "multiprocessing", "dask")
+
+    def __init__(self, atomgroup, **kwargs):
+        super().__init__(atomgroup.universe.trajectory, **kwargs)
+        self.atomgroup = atomgroup
+
+    def _frame(self):
+        raise NotImplementedError("a subclass returns one value for each of its SERIES")
+
+    def _prepare(self):
+        for name in self.SERIES:
+            self.results[name] = []
+
+    def _single_frame(self):
+        for name, value in zip(self.SERIES, self._frame(), strict=True):
+            self.results[name].append(value)
+
+    def _get_aggregator(self):
+        return ResultsGroup(lookup=dict.fromkeys(self.SERIES, ResultsGroup.flatten_sequence))
+
+    def _conclude(self):
+        for name in self.SERIES:
+            self.results[name] = np.array(self.results[name])
+
+    @property
+    def positions(self):
+        data = self._ts.data
+        return data["position"][self.atomgroup.ix] if "position" in data else self.atomgroup.positions.astype(float)
+
+    @property
+    def cell(self):
+        return cell_of(self._ts)
+
+    @property
+    def bodies(self):
+        """Positions (n, 3), orientations (n, 4) and semi-axes (n, 3)."""
+        return self.positions, self.atomgroup.orientations, self.atomgroup.semi_axes
+
+    @property
+    def axes(self):
+        """The body axes in the lab (n, 3)."""
+        return body_axes(self.atomgroup.orientations, self.atomgroup.semi_axes)
+
+
+class ThreadedAnalysis(FrameAnalysis):
+    """A FrameAnalysis whose function keeps all cores busy by threads: serial over the frames.
+
+    MDAnalysis' processes are forks, and a fork of a process whose threads have run never comes back.
+    """
+
+    _analysis_algorithm_is_parallelizable = False
+
+    @classmethod
+    def get_supported_backends(cls):
+        return ("serial",)
+
+
+def cell_of(ts):
+    """The cell vectors of a frame as rows (3, 3), in the precision of its file."""
+    return np.asarray(ts.data.get("cell", ts.triclinic_dimensions), dtype=float)

@@ -1,0 +1,48 @@
+"""Frames spread over processes by MDAnalysis give what they give one after the other, to the last bit."""
+
+import inspect
+
+import MDAnalysis as mda
+import numpy as np
+import pytest
+
+import analysis
+from analysis.frames import FrameAnalysis, ThreadedAnalysis
+
+ARGUMENTS = {"StructureFactor": {"k_max": 4.0}, "CubaticOrder": {"all_axes": True}, "RadialDistribution": {"r_max": 2.5},
+             "OrientationalPairCorrelation": {"r_max": 2.5}, "CylindricalDistribution": {"r_max": 1.5}}
+CLASSES = {name: value for name, value in vars(analysis).items() if inspect.isclass(value) and issubclass(value, FrameAnalysis)}
+THREADED = {name: value for name, value in CLASSES.items() if issubclass(value, ThreadedAnalysis)}
+SPREAD = {name: value for name, value in CLASSES.items() if name not in THREADED}
+
+
+def test_all_are_here():
+    assert set(THREADED) == {"ContactNumbers", "FreeVolumes", "NearContacts", "SteinhardtOrder"}
+    assert set(ARGUMENTS) < set(SPREAD) == {
+        "BiaxialOrder", "CubaticOrder", "CylindricalDistribution", "MeanSquaredDisplacement", "NematicOrder", "OrientationalCorrelation",
+        "OrientationalPairCorrelation", "RadialDistribution", "StructureFactor"}
+
+
+@pytest.mark.parametrize("name", ["ContactNumbers", "FreeVolumes", "NearContacts"])
+def test_what_has_threads_of_its_own_refuses_processes(moving, name):
+    """In a fork its threads would wait for ever."""
+    with pytest.raises(ValueError, match="Can not parallelize"):
+        THREADED[name](mda.Universe(moving[0]).atoms).run(backend="multiprocessing", n_workers=2)
+
+
+@pytest.mark.parametrize("name", SPREAD)
+def test_two_processes_give_the_same(moving, name):
+    atoms = mda.Universe(moving[0]).select_atoms("species 0 1")
+    analysis.ContactNumbers(atoms).run(stop=1)                  # its threads are there when the process forks
+    found = [SPREAD[name](atoms, **ARGUMENTS.get(name, {})).run(**options).results
+             for options in ({}, {"backend": "multiprocessing", "n_workers": 2})]
+    assert set(found[0]) == set(found[1]) != set()
+    for key, value in found[0].items():
+        np.testing.assert_array_equal(found[1][key], value, err_msg=key)
+
+
+def test_only_the_frames_asked_for(moving):
+    nematic = analysis.NematicOrder(mda.Universe(moving[0]).atoms).run(start=1, stop=5, step=2, backend="multiprocessing", n_workers=2)
+    assert nematic.frames.tolist() == [1, 3]
+    assert nematic.times.tolist() == [0.25, 1.5]
+    assert nematic.results.director.shape == (2, 3)
