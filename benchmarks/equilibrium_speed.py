@@ -8,11 +8,10 @@ contact function each, single core, random pairs of these bodies) take as long a
 
 import argparse
 import json
-import platform
-import subprocess
 import time
 
 import numpy as np
+from provenance import provenance
 
 import ccd
 import edmd
@@ -48,8 +47,7 @@ def main():
         "solve_ns": round(1e9 * float(np.median(solves)), 1),
         "events": round(done[state.EVENTS] / collisions, 2), "looks": round(done[state.LOOKS] / collisions, 2),
         "rebuilds": round(done[state.REBUILDS] / collisions, 3), "neighbours": round(float(simulation._world.lists.count.mean()), 1),
-        "compressibility_factor": round(simulation.compressibility_factor, 3), "machine": platform.processor() or platform.machine(),
-        "commit": subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()}))
+        "compressibility_factor": round(simulation.compressibility_factor, 3), **provenance()}))
 
 
 def seconds_a_solve(semi_axes, pairs=20_000):

@@ -10,7 +10,7 @@ from math import comb, inf
 import numpy as np
 
 from ccd.compiling import kernel
-from ccd.tolerances import CLIPPING_STEPS, CLIPS_WELL, ROOT, VANISHING
+from ccd.tolerances import CLIPPING_STEPS, CLIPS_WELL, LOST, ROOT, VANISHING
 
 MOST = 512                      # highest degree
 RECIPROCAL = np.array([0.0] + [1 / k for k in range(1, MOST + 1)])
@@ -166,14 +166,14 @@ def first_root(p, c):
             _part(p, low, low + width, c)
             fresh = False
         left = inf if _is_positive(c) else hull_crossing(c, 1.0, False)
+        if left == 0.0 or width <= ROOT or (left == inf and width <= LOST):
+            return low
         if left == inf:
             low += width
             if low >= 1.0:
                 return inf
             width, fresh = 1.0 - low, True
             continue
-        if left == 0.0 or width <= ROOT:
-            return low
         right = 1 - hull_crossing(c, 1.0 if c[len(c) - 1] > 0 else -1.0, True)
         if right - left > CLIPS_WELL:
             right = 0.5 * (left + right)

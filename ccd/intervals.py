@@ -15,7 +15,7 @@ from ccd.bezier_shoot import best_certificate, bezier_shoot, contact_time, slope
 from ccd.compiling import kernel
 from ccd.grid import quartic
 from ccd.status import State
-from ccd.tolerances import CANDIDATES, CLIPS_WELL, CONTACT_TIME_STEPS, LOOP_ROUNDS, NARROW, ROOT, SIDE, TANGENT, TOUCHING_STATE
+from ccd.tolerances import CANDIDATES, CLIPS_WELL, CONTACT_TIME_STEPS, LOOP_ROUNDS, LOOP_STRIPS, NARROW, ROOT, SIDE, TANGENT, TOUCHING_STATE
 
 SEPARATE, TOUCHING, OVERLAPPING, UNRESOLVED = int(State.SEPARATE), int(State.TOUCHING), int(State.OVERLAPPING), int(State.UNRESOLVED)
 CSI, COI, KNOWN = 0.0, 1.0, 2.0         # what waits on the stack; KNOWN: already confirmed to be separate
@@ -50,13 +50,34 @@ def has_no_loop(grid, start, end, level, work):
     """Whether F, not positive at start and end, is proved not to be positive between them (paper, Sec. 3.2, COI handling).
 
     Either all control points are negative, or F_t has one sign in the sub-region where F can be positive, found by cutting
-    off what lies outside the hull of the control points, in u and in t, until nothing more comes off. level: as for `bezier_shoot`.
+    off what lies outside the hull of the control points, in u and in t, until nothing more comes off. Then u is cut into strips, the
+    narrower the shorter the interval: a shorter one alone would never help where nothing comes off in u. level: as for `bezier_shoot`.
     """
     f = work[2:7, :grid.shape[1]]
-    quartic(grid, level, f)
-    for i in range(5):
-        restrict(f[i], start, end)
-    largest_u, largest_t = work[7, :5], work[8, :grid.shape[1]]
+    low, width = 0.0, 1.0
+    for _ in range(LOOP_STRIPS):
+        quartic(grid, level, f)
+        for i in range(5):
+            restrict(f[i], start, end)
+        for j in range(f.shape[1]):
+            restrict(f[:, j], low, low + width)
+        if _is_cut_away(f, work):
+            low += width
+            if low >= 1.0:
+                return True
+            while low % (2 * width) == 0:
+                width *= 2
+        elif width > end - start:
+            width *= 0.5
+        else:
+            return False
+    return False
+
+
+@kernel
+def _is_cut_away(f, work):
+    """Whether cutting leaves no place in these control points for a loop of F. They are cut."""
+    largest_u, largest_t = work[7, :5], work[8, :f.shape[1]]
     for _ in range(LOOP_ROUNDS):
         for i in range(5):
             largest_u[i] = -inf

@@ -250,14 +250,15 @@ def _frame(rows_a, rows_b, options, outcomes, times, space):
     rigid, planes, running_bound = options
     earliest, first_i, first_j, best_u = inf, -1, -1, 0.5
     for i in range(rows_a.shape[0]):
+        row_a = rows_a[i]
+        axes_start, axes_end = body_axes(load_quaternion(row_a, 6)), body_axes(load_quaternion(row_a, 13))
         for j in range(rows_b.shape[0]):
-            row_a, row_b = rows_a[i], rows_b[j]
+            row_b = rows_b[j]
             bound = min(earliest, 1.0) if running_bound else 1.0
             reach = max(load(row_a, 0)) + max(load(row_b, 0))
             r_start, r_end = subtract(load(row_b, 3), load(row_a, 3)), subtract(load(row_b, 10), load(row_a, 10))
             if not rigid:
-                r_start = _into(body_axes(load_quaternion(row_a, 6)), r_start)
-                r_end = _into(body_axes(load_quaternion(row_a, 13)), r_end)
+                r_start, r_end = _into(axes_start, r_start), _into(axes_end, r_end)
             if not spheres_meet(r_start, r_end, reach, bound):
                 outcomes[i, j] = SPHERES_APART
                 continue

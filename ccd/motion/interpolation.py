@@ -53,6 +53,9 @@ def approximate_flight(ellipsoid, flight, t_span=(0.0, 1.0), degree=3):
         raise ValueError(f"degree = {degree}: expected 1 or more")
     if not isinstance(ellipsoid, Ellipsoid) or not isinstance(flight, FreeFlight):
         raise ValueError(f"ellipsoid = {ellipsoid!r}, flight = {flight!r}: expected a ccd.Ellipsoid and a ccd.FreeFlight")
+    path = np.stack([ellipsoid.center, flight.velocity], axis=1)
+    if not flight.angular_velocity.any() and flight.growth_rate == 0:
+        return RationalMotion(ellipsoid.orientation[:, None], path)
     middle = 0.5 * (start + end)
     since_middle = Polynomial([-middle, 1.0])
     spin, rate = flight.angular_velocity, np.linalg.norm(flight.angular_velocity)
@@ -66,7 +69,6 @@ def approximate_flight(ellipsoid, flight, t_span=(0.0, 1.0), degree=3):
             turn[0] = turn[0] + power
     pose = products(rotations(spin[None] * middle), ellipsoid.orientation[None])[0]
     rotation = _rows([sum(sign * turn[k] * pose[l] for sign, k, l in terms) for terms in PRODUCT])
-    path = np.stack([ellipsoid.center, flight.velocity], axis=1)
     if flight.growth_rate == 0:
         return RationalMotion(rotation, path)
     e = [Polynomial(row) for row in rotation]
