@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
-from math import inf, nan
+from math import inf, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from ccd.rotation import body_axes, load_quaternion
 from ccd.separation import balance, best_plane, semi_axis_vectors, shape_matrix, support
 from ccd.status import Status
 from ccd.tolerances import EXACT, TOUCHING
-from ccd.vectors import dot, load, scale, store, subtract
+from ccd.vectors import add, add_scaled, dot, load, scale, store, subtract
 
 INTERPOLANTS = ("rigid", "affine")
 DEGREE = {True: 10, False: 5}               # of F in t, eq. (23), for rigid and affine motions
@@ -117,13 +117,9 @@ def first_contact(group_a, group_b, interpolant="rigid", planes=None, running_bo
     outcomes, times = np.empty((len(group_a), len(group_b)), dtype=np.int8), np.full((len(group_a), len(group_b)), inf)
     space = _space(len(group_a), len(group_b), rigid)
     time, pair, point, normal = _frame(group_a.rows, group_b.rows, (rigid, planes, bool(running_bound)), outcomes, times, space)
-    point, normal = np.array(point), np.array(normal)
-    if not rigid and pair[0] >= 0:
-        pose = group_a.motion(pair[0]).matrix(time)
-        point, normal = pose[:3, :3] @ point + pose[:3, 3], pose[:3, :3] @ normal
     tally = np.bincount(outcomes.ravel(), minlength=len(Outcome)).tolist()
     counts = Counts(outcomes.size, *tally[:3], sum(tally[3:]), tally[Outcome.CONTACT])
-    return FrameContact(_status(time, pair, outcomes, times), time, pair, point, normal, counts, outcomes, times)
+    return FrameContact(_status(time, pair, outcomes, times), time, pair, np.array(point), np.array(normal), counts, outcomes, times)
 
 
 def _status(time, pair, outcomes, times):
@@ -170,6 +166,22 @@ def _member(stack, k):
 def _into(axes, v):
     """A vector in the frame whose axes are given."""
     return (dot(axes[0], v), dot(axes[1], v), dot(axes[2], v))
+
+
+@kernel
+def _out_of(axes, v):
+    """A vector given in the frame of some axes, in the lab."""
+    return add_scaled(add_scaled(scale(v[0], axes[0]), v[1], axes[1]), v[2], axes[2])
+
+
+@kernel
+def _pose_between(row, t):
+    """Axes and centre of a body under the rigid interpolant."""
+    p, q = load_quaternion(row, 6), load_quaternion(row, 13)
+    w, x, y, z = p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1]), p[2] + t * (q[2] - p[2]), p[3] + t * (q[3] - p[3])
+    length = sqrt(w * w + x * x + y * y + z * z)
+    axes = body_axes((w / length, x / length, y / length, z / length))
+    return axes, add_scaled(load(row, 3), t, subtract(load(row, 10), load(row, 3)))
 
 
 @kernel
@@ -243,10 +255,7 @@ def _pair(row_a, row_b, pair, options, bound, space):
 
 @kernel
 def _frame(rows_a, rows_b, options, outcomes, times, space):
-    """Every pair of a frame. options: (rigid, planes, running bound). -> time of the earliest contact, its pair, point and normal.
-
-    Point and normal of an affine pair are seen from the canonical frame of A.
-    """
+    """Every pair of a frame. options: (rigid, planes, running bound). -> time of the earliest contact, its pair, point and normal."""
     rigid, planes, running_bound = options
     earliest, first_i, first_j, best_u = inf, -1, -1, 0.5
     for i in range(rows_a.shape[0]):
@@ -274,4 +283,7 @@ def _frame(rows_a, rows_b, options, outcomes, times, space):
             a, b = _member(space.a, 0), _member(space.b, 0)
             _affine_pair(a, b, rows_a[first_i], rows_b[first_j], space.wide)
         point, n = touch(a, b, earliest, best_u)
+        if not rigid:
+            axes, center = _pose_between(rows_a[first_i], earliest)
+            point, n = add(center, _out_of(axes, point)), _out_of(axes, n)
     return earliest, (first_i, first_j), point, n
