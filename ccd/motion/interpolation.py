@@ -53,7 +53,7 @@ def approximate_flight(ellipsoid, flight, t_span=(0.0, 1.0), degree=3):
         raise ValueError(f"degree = {degree}: expected 1 or more")
     if not isinstance(ellipsoid, Ellipsoid) or not isinstance(flight, FreeFlight):
         raise ValueError(f"ellipsoid = {ellipsoid!r}, flight = {flight!r}: expected a ccd.Ellipsoid and a ccd.FreeFlight")
-    path = np.stack([ellipsoid.center, flight.velocity], axis=1)
+    path = np.array([ellipsoid.center, flight.velocity]).T
     if not flight.angular_velocity.any() and flight.growth_rate == 0:
         return RationalMotion(ellipsoid.orientation[:, None], path)
     middle = 0.5 * (start + end)
