@@ -12,8 +12,6 @@ fifty digits, over pairs with |f - 1| between 1e-14 and 1e-9: TOUCHING begins at
 import argparse
 import json
 import os
-import platform
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -23,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "oracl
 
 import numpy as np
 import roots
+from provenance import provenance
 
 import ccd
 from ccd.characteristic import UNCERTAIN, magnitudes, margin, polynomial, state_by_roots
@@ -54,8 +53,7 @@ def main():
     print(json.dumps({
         "benchmark": "static_overlap", "pairs": options.pairs, **mixes,
         "single_us": {question: round(1e3 * seconds, 2) for question, seconds in single.items()},
-        "machine": platform.processor() or platform.machine(),
-        "commit": subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()}))
+        **provenance()}))
 
 
 def near(rng, n):
