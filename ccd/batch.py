@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from ccd import blocks, checks
-from ccd.characteristic import UNCERTAIN
+from ccd import blocks, checks, separation
+from ccd.characteristic import UNCERTAIN, decided_state
 from ccd.compiling import kernel, parallel_kernel
 from ccd.first_contact import free_flight_contact
 from ccd.rotation import load_quaternion
+from ccd.tolerances import SHARP
 from ccd.vectors import load
 
 
@@ -28,10 +29,7 @@ class Bodies:
     def __post_init__(self):
         center = checks.real_array("center", self.center, (None, 3), "an array (n, 3)")
         n = len(center)
-        if np.ndim(self.semi_axes) == 1:
-            semi_axes = np.tile(checks.semi_axes("semi_axes", self.semi_axes), (n, 1))
-        else:
-            semi_axes = checks.semi_axes("semi_axes", self.semi_axes, (n, 3), f"({n}, 3) positive lengths")
+        semi_axes = _semi_axes(self.semi_axes, n)
         growth_rate = 0.0 if self.growth_rate is None else self.growth_rate
         growth_rate = np.full(n, growth_rate) if np.ndim(growth_rate) == 0 else growth_rate
         values = {"center": center, "semi_axes": semi_axes,
@@ -47,14 +45,51 @@ class Bodies:
         return len(self.center)
 
 
+@dataclass(frozen=True, eq=False)
+class AffineBodies:
+    """n affine poses as arrays, as `ccd.AffineEllipsoid`: semi_axes (n, 3) or (3,) for all, linear (n, 3, 3), translation (n, 3)."""
+
+    semi_axes: np.ndarray
+    linear: np.ndarray
+    translation: np.ndarray
+
+    def __post_init__(self):
+        translation = checks.real_array("translation", self.translation, (None, 3), "an array (n, 3)")
+        n = len(translation)
+        for name, value in (("translation", translation), ("semi_axes", _semi_axes(self.semi_axes, n)),
+                            ("linear", checks.linear_map("linear", self.linear, (n, 3, 3), f"matrices ({n}, 3, 3)"))):
+            object.__setattr__(self, name, value)
+
+    def __len__(self):
+        return len(self.translation)
+
+    @property
+    def center(self):
+        return self.translation
+
+    @property
+    def semi_axis_vectors(self):
+        """(n, 3, 3): columns are where the three semi-axes of each body go."""
+        return self.linear * self.semi_axes[:, None, :]
+
+
+def _semi_axes(value, n):
+    if np.ndim(value) == 1:
+        return np.tile(checks.semi_axes("semi_axes", value), (n, 1))
+    return checks.semi_axes("semi_axes", value, (n, 3), f"({n}, 3) positive lengths")
+
+
 def state(bodies_a, bodies_b):
     """State (n,) int8 of the pairs (a[k], b[k]), by Theorem 1 of the paper: +1 separate, 0 touching, -1 overlapping. Motion is ignored.
 
-    The same answers as `ccd.state`, and the same ArithmeticError.
+    bodies_a, bodies_b: both Bodies or both AffineBodies. The same answers as `ccd.state`, and the same ArithmeticError.
     """
     _check_lengths(bodies_a, bodies_b)
     states = np.empty(len(bodies_a), dtype=np.int8)
-    blocks.states(_pose(bodies_a), _pose(bodies_b), states)
+    if isinstance(bodies_a, AffineBodies):
+        _affine_states(*_affine_pose(bodies_a, bodies_b), states)
+    else:
+        blocks.states(_pose(bodies_a), _pose(bodies_b), states)
     if (states == UNCERTAIN).any():
         raise ArithmeticError(f"pair {(states == UNCERTAIN).argmax()}: the contact function cannot be maximised in double precision")
     return states
@@ -63,11 +98,15 @@ def state(bodies_a, bodies_b):
 def contact_function(bodies_a, bodies_b):
     """The contact function f (n,) of the pairs (a[k], b[k]), eq. (1): > 1 apart, 1 touching, < 1 overlapping. Motion is ignored.
 
-    nan where float64 cannot hold the pencil parameter (sizes some 1e20 apart).
+    bodies_a, bodies_b: both Bodies or both AffineBodies. nan where float64 cannot hold the pencil parameter (sizes some 1e20 apart).
     """
     _check_lengths(bodies_a, bodies_b)
     f = np.empty(len(bodies_a))
-    blocks.contact_functions(_pose(bodies_a), _pose(bodies_b), f)
+    if isinstance(bodies_a, AffineBodies):
+        g, t, _, _ = _affine_pose(bodies_a, bodies_b)
+        _affine_contact_functions(g, t, f)
+    else:
+        blocks.contact_functions(_pose(bodies_a), _pose(bodies_b), f)
     return f
 
 
@@ -77,7 +116,7 @@ def first_contact(bodies_a, bodies_b, t_max=1.0):
     All cores share the pairs; `numba.set_num_threads(1)` makes it serial. Every pair gives the same bits whatever the number of threads,
     and the same as `ccd.first_contact` alone.
     """
-    _check_lengths(bodies_a, bodies_b)
+    _check_lengths(bodies_a, bodies_b, (Bodies,))
     t_max = checks.real_number("t_max", t_max, "a positive time", above=0)
     for name, bodies in (("bodies_a", bodies_a), ("bodies_b", bodies_b)):
         if (1 + bodies.growth_rate * t_max <= 0).any():
@@ -87,16 +126,39 @@ def first_contact(bodies_a, bodies_b, t_max=1.0):
     return time, status
 
 
-def _check_lengths(bodies_a, bodies_b):
+def _check_lengths(bodies_a, bodies_b, kinds=(Bodies, AffineBodies)):
     for name, bodies in (("bodies_a", bodies_a), ("bodies_b", bodies_b)):
-        if not isinstance(bodies, Bodies):
-            raise ValueError(f"{name} = {bodies!r}: expected ccd.Bodies")
+        if not isinstance(bodies, kinds):
+            raise ValueError(f"{name} = {bodies!r}: expected {' or '.join(f'ccd.{kind.__name__}' for kind in kinds)}")
+    if type(bodies_a) is not type(bodies_b):
+        raise ValueError(f"bodies_b is {type(bodies_b).__name__}: expected {type(bodies_a).__name__}, as bodies_a")
     if len(bodies_a) != len(bodies_b):
         raise ValueError(f"bodies_b has {len(bodies_b)} bodies: expected as many as bodies_a, {len(bodies_a)}")
 
 
 def _pose(bodies):
     return bodies.semi_axes, bodies.center, bodies.orientation
+
+
+def _affine_pose(bodies_a, bodies_b):
+    """What `characteristic.decided_state` takes of each pair: g (n, 3, 3), a vector a row, t (n, 3), det g (n,), aspect ratio (n,)."""
+    s_a, s_b = bodies_a.semi_axis_vectors, bodies_b.semi_axis_vectors
+    solved = np.linalg.solve(s_b, np.concatenate([s_a, (bodies_b.center - bodies_a.center)[:, :, None]], axis=2))
+    g, t = np.ascontiguousarray(solved[:, :, :3].transpose(0, 2, 1)), np.ascontiguousarray(solved[:, :, 3])
+    return g, t, np.linalg.det(s_a) / np.linalg.det(s_b), np.linalg.cond(s_a) * np.linalg.cond(s_b)
+
+
+@parallel_kernel
+def _affine_states(g, t, det, aspect, state):
+    for k in numba.prange(len(state)):
+        state[k] = decided_state((load(g[k, 0], 0), load(g[k, 1], 0), load(g[k, 2], 0)), load(t[k], 0), det[k], aspect[k])
+
+
+@parallel_kernel
+def _affine_contact_functions(g, t, f):
+    for k in numba.prange(len(f)):
+        value, _, converged = separation.contact_function((load(g[k, 0], 0), load(g[k, 1], 0), load(g[k, 2], 0)), load(t[k], 0), SHARP)
+        f[k] = value if converged else np.nan
 
 
 def _rows(bodies):

@@ -65,13 +65,15 @@ def cell_vectors(name, value):
     return cell
 
 
-def linear_map(name, value):
-    """A matrix (3, 3) that float64 can tell from a singular one."""
-    matrix = real_array(name, value, (3, 3), "a matrix (3, 3)")
-    sizes = np.linalg.svd(matrix, compute_uv=False)
-    if not sizes[-1] > SINGULAR * sizes[0]:
-        raise ValueError(f"{name} = {matrix.tolist()}: singular (singular values {sizes.tolist()}), expected an invertible matrix")
-    return matrix
+def linear_map(name, value, shape=(3, 3), what="a matrix (3, 3)"):
+    """Matrices (3, 3) that float64 can tell from singular ones."""
+    matrices = real_array(name, value, shape, what)
+    sizes = np.linalg.svd(matrices, compute_uv=False).reshape(-1, 3)
+    flat = np.flatnonzero(~(sizes[:, -1] > SINGULAR * sizes[:, 0]))
+    if len(flat):
+        wrong = matrices.reshape(-1, 3, 3)[flat[0]].tolist()
+        raise ValueError(f"{name} = {wrong}: singular (singular values {sizes[flat[0]].tolist()}), expected an invertible matrix")
+    return matrices
 
 
 def natural_number(name, value):

@@ -299,3 +299,15 @@ def test_nearly_touching_pairs_have_a_point_and_others_do_not():
         else:
             with pytest.raises(ValueError, match=r"do not touch: their contact function is .*1e-06"):
                 ccd.contact_point(*pair)
+
+
+def test_affine_poses_in_batch_are_told_as_one_by_one():
+    rng = np.random.default_rng(12)
+    singles = [(random_affine(rng), random_affine(rng, 1.2 * rng.normal(size=3))) for _ in range(400)]
+    a, b = (ccd.AffineBodies(*(np.array([getattr(pair[k], name) for pair in singles]) for name in ("semi_axes", "linear", "translation")))
+            for k in (0, 1))
+    expected = [ccd.state(*pair) for pair in singles]
+    assert {State.SEPARATE, State.OVERLAPPING} == set(expected)
+    np.testing.assert_array_equal(ccd.batch.state(a, b), expected)
+    truth, _ = contact_function_and_normal(b.center - a.center, a.semi_axis_vectors, b.semi_axis_vectors)
+    np.testing.assert_allclose(ccd.batch.contact_function(a, b), truth, rtol=1e-10)        # some maps are nearly singular

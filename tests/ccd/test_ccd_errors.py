@@ -186,3 +186,16 @@ def test_contacts_among_many_bodies(name, wrong):
     for question in (contact_functions, contact_pairs):
         with pytest.raises(ValueError, match=name):
             question(**(good | {name: wrong}))
+
+
+def test_affine_bodies_are_checked_too():
+    eye, nowhere = np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 3))
+    with pytest.raises(ValueError, match=r"linear.*singular"):
+        ccd.AffineBodies((1, 1, 1), np.stack([np.eye(3), np.diag([1, 1, 0])]), nowhere)
+    with pytest.raises(ValueError, match="linear has shape"):
+        ccd.AffineBodies((1, 1, 1), np.eye(3), nowhere)
+    affine = ccd.AffineBodies((1, 1, 1), eye, nowhere)
+    with pytest.raises(ValueError, match="bodies_b is Bodies: expected AffineBodies"):
+        ccd.batch.state(affine, Bodies((1, 1, 1), nowhere, np.tile(UNIT, (2, 1))))
+    with pytest.raises(ValueError, match=r"(?s)bodies_a = .*expected ccd\.Bodies$"):
+        ccd.batch.first_contact(affine, affine)
