@@ -20,6 +20,7 @@ CONTACT_TIME_STEPS = 100    # cap of the false position for a contact instant; a
 NARROW = 1e-14              # width, in units of the time span, at which an undecided interval is left UNRESOLVED
 SIDE = 1e-12                # first step, in units of the time span, beside an end where the bodies touch (the paper's epsilon, Remark 3)
 LOOP_ROUNDS = 40            # cap of cutting down the sub-region of a loop test; it ends as soon as little comes off
+STRIP = 1 / 16              # width in u of the narrowest strip in which a loop test is tried, before time is divided
 CANDIDATES = 4000           # cap of the candidate intervals looked at; Example 1 takes 10, what is left then is UNRESOLVED
 CONDITION = 300.0           # of a grid (its terms cancel to one part in so many) above which the span is halved: f then errs by some 1e-14
 HALVINGS = 12               # cap of that
