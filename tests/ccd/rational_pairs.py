@@ -49,7 +49,7 @@ def denominators(rng, n, degree):
 
 
 def crossing(rng, n, degree, size=4.0):
-    """Polynomial paths (n, 3, degree + 1) of the relative centre that pass near 0 about the middle of [0, 1], from and to some `size` away."""
+    """Polynomial paths (n, 3, degree + 1) that pass near 0 about the middle of [0, 1], from and to some `size` away."""
     path = np.zeros((n, 3, degree + 1))
     if degree == 0:
         path[:, :, 0] = rng.uniform(0.5, 3, (n, 1)) * directions(rng, n)

@@ -58,15 +58,12 @@ def contact_function(axes_a, motion_a, axes_b, motion_b, t):
     while high - low > mpf(10) ** -8 * min(high, 1 - low):
         x = (low + high) / 2
         low, high = (x, high) if slope(x) > 0 else (low, x)
-    x = mpmath.findroot(slope, (low, high), solver="anderson", tol=mpf(10) ** (-2 * DIGITS + 10), maxsteps=60, verify=False)
+    x = mpmath.findroot(slope, (low, high), solver="anderson", tol=mpf(10) ** -60, maxsteps=30, verify=False)
     return x * (1 - x) * (r.T * mpmath.lu_solve((1 - x) * x_a + x * x_b, r))[0]
 
 
-def contact_time(axes_a, motion_a, axes_b, motion_b, low, high):
-    """The instant between low and high, where f is on different sides of 1, to some 40 digits."""
+def changes_at(axes_a, motion_a, axes_b, motion_b, time, error):
+    """Whether f is on different sides of 1 at time - error and time + error."""
     with mp.workdps(DIGITS):
-        def excess(t):
-            return contact_function(axes_a, motion_a, axes_b, motion_b, t) - 1
-        low, high = mpf(low), mpf(high)
-        assert excess(low) * excess(high) < 0
-        return mpmath.findroot(excess, (low, high), solver="anderson", tol=mpf(10) ** -75, maxsteps=100, verify=False)
+        before, after = (contact_function(axes_a, motion_a, axes_b, motion_b, mpf(float(time)) + s * mpf(error)) - 1 for s in (-1, 1))
+        return before * after < 0
