@@ -19,10 +19,10 @@ WHY_NOT = {TURN_VANISHES: "rotation: the quaternion polynomial vanishes", DENOMI
 def _polynomials(name, value, rows, what):
     """Power-basis coefficients without the highest powers that no row has. Read-only."""
     coefficients = checks.real_array(name, value, (*rows, None), what)
-    used = np.flatnonzero(coefficients.reshape(-1, coefficients.shape[-1]).any(axis=0))
-    coefficients = np.ascontiguousarray(coefficients[..., :used[-1] + 1 if len(used) else 1])
     if coefficients.size == 0:
         raise ValueError(f"{name} has no coefficients: expected {what}")
+    used = np.flatnonzero(coefficients.reshape(-1, coefficients.shape[-1]).any(axis=0))
+    coefficients = np.ascontiguousarray(coefficients[..., :used[-1] + 1 if len(used) else 1])
     coefficients.flags.writeable = False
     return coefficients
 
