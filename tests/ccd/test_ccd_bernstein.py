@@ -176,16 +176,16 @@ def test_nothing_is_zero_before_the_first_root(c):
 @given(st.lists(st.floats(-1, 1).map(lambda x: round(x, 4)), min_size=1, max_size=12))
 def test_a_sign_that_is_said_to_be_kept_is_kept(c):
     p = np.array(c) * bz.binomials(len(c) - 1)
-    values = np.array([float(exact_value(c, t)) for t in np.linspace(0, 1, 80)])
+    values = np.array([float(exact_value(c, t)) for t in np.linspace(0, 1, 40)])
     kept = bz.keeps_sign(p, np.empty((2, len(c))))
     if kept:
         assert (values > 0).all() or (values < 0).all()
     elif (values > 0).all() or (values < 0).all():
-        assert abs(values).min() < 0.02 * max(map(abs, c))          # so near zero that 80 looks may miss a root
+        assert abs(values).min() < 0.02 * max(map(abs, c))          # so near zero that 40 looks may miss a root
 
 
 @pytest.mark.parametrize(("powers", "kept"), [([1.0], True), ([0.0], False), ([1.0, -1.0], False), ([1.0, -0.999], True),
-                                              ([0.0, 1.0], False), ([0.25, -1.0, 1.0], False), ([0.2501, -1.0, 1.0], True), ([-3.0, 1.0], True),
-                                              ([1e-300, 1e-300], True)])
+                                              ([0.0, 1.0], False), ([0.25, -1.0, 1.0], False), ([0.2501, -1.0, 1.0], True),
+                                              ([-3.0, 1.0], True), ([1e-300, 1e-300], True)])
 def test_keeps_sign(powers, kept):
     assert bz.keeps_sign(weighted(powers), np.empty((2, len(powers)))) == kept
