@@ -160,15 +160,19 @@ def first_root(p, c):
     The control polygon's convex hull meets zero only where a root can be, so both ends of the interval are cut off. Where that cuts
     little, because there are several roots, the left half is searched first and what lies right of it later.
     """
-    low, width, fresh = 0.0, 1.0, True
+    low, width, fresh, largest = 0.0, 1.0, True, 0.0
+    for x in p:
+        largest = max(largest, abs(x))
     for _ in range(CLIPPING_STEPS):
         if fresh:
             _part(p, low, low + width, c)
             fresh = False
         left = inf if _is_positive(c) else hull_crossing(c, 1.0, False)
-        if left == 0.0 or width <= ROOT or (left == inf and width <= LOST):
+        if left == 0.0 or (left < inf and width <= ROOT):
             return low
         if left == inf:
+            if width <= LOST and c[0] <= LOST * largest:
+                return low
             low += width
             if low >= 1.0:
                 return inf

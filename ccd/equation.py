@@ -16,7 +16,7 @@ from ccd.intervals import empty_work as loop_work
 from ccd.motion import AffineInterpolant, AffineMotion, FreeFlight, RationalMotion, approximate_flight
 from ccd.motion.tensors import Tensors
 from ccd.status import State, Status
-from ccd.tolerances import CONDITION, CONTACT_EXCESS, HALVINGS
+from ccd.tolerances import CONDITION, CONTACT_EXCESS, EXTREME, HALVINGS
 
 NOWHERE = (np.nan,) * 3
 
@@ -29,7 +29,7 @@ class CCDEquation:
     Bernstein coefficients in u and, over t_span, in t, after every common factor that the kinds of motion imply is cancelled; `bernstein`
     (5, degree_t + 1) those of the paper's F, which carries the factors of eq. (24). It is solved at the minimal degree, or with
     degree="paper" at the paper's. ValueError for what is no motion of an ellipsoid within t_span: a denominator or quaternion
-    polynomial that vanishes, a map that is singular.
+    polynomial that vanishes, a map that is singular. ArithmeticError where float64 cannot hold F (sizes some 1e40 apart).
     """
 
     def __init__(self, a, motion_a, b, motion_b, t_span=(0.0, 1.0), degree="minimal"):
@@ -119,7 +119,11 @@ class CCDEquation:
             if fault:
                 raise ValueError(f"{name}.{fault} within t_span = ({start}, {start + width})")
             tensors.append(own)
-        return _Part(start, width, *tensors, _grid(*tensors))
+        grid = _grid(*tensors)
+        if not (1 / EXTREME < grid[0, 0] < EXTREME and 1 / EXTREME < grid[3, 0] < EXTREME):     # nor nan
+            sizes = " and ".join(str(body.semi_axes.tolist()) for _, body, _ in self._bodies)
+            raise ArithmeticError(f"double precision cannot hold the equation of bodies of such sizes: {sizes}")
+        return _Part(start, width, *tensors, grid)
 
     def _well_conditioned(self, part, halvings):
         """The span cut into parts on which the terms of F do not cancel by more than CONDITION."""

@@ -15,17 +15,18 @@ from ccd.bezier_shoot import best_certificate, bezier_shoot, contact_time, slope
 from ccd.compiling import kernel
 from ccd.grid import quartic
 from ccd.status import State
-from ccd.tolerances import CANDIDATES, CLIPS_WELL, CONTACT_TIME_STEPS, LOOP_ROUNDS, LOOP_STRIPS, NARROW, ROOT, SIDE, TANGENT, TOUCHING_STATE
+from ccd.tolerances import CANDIDATES, CLIPS_WELL, CONTACT_TIME_STEPS, LOOP_ROUNDS, NARROW, ROOT, SIDE, STRIP, TANGENT, TOUCHING_STATE
 
 SEPARATE, TOUCHING, OVERLAPPING, UNRESOLVED = int(State.SEPARATE), int(State.TOUCHING), int(State.OVERLAPPING), int(State.UNRESOLVED)
 CSI, COI, KNOWN = 0.0, 1.0, 2.0         # what waits on the stack; KNOWN: already confirmed to be separate
+ASIDE = 0.375                           # where a candidate is divided whose middle is a contact
 STACK = (512, 5)                        # rows: start, end, kind, and whether the bodies touch at start and at end
 PIECES = (512, 3)                       # rows: start, end, State
 
 
 def empty_work(degree):
     """Working space for `separation_intervals`, and for what it calls."""
-    return np.empty((9, max(degree + 1, 5)))
+    return np.empty((14, max(degree + 1, 5)))
 
 
 @kernel
@@ -46,38 +47,9 @@ def _monotonic(f):
 
 
 @kernel
-def has_no_loop(grid, start, end, level, work):
-    """Whether F, not positive at start and end, is proved not to be positive between them (paper, Sec. 3.2, COI handling).
-
-    Either all control points are negative, or F_t has one sign in the sub-region where F can be positive, found by cutting
-    off what lies outside the hull of the control points, in u and in t, until nothing more comes off. Then u is cut into strips, the
-    narrower the shorter the interval: a shorter one alone would never help where nothing comes off in u. level: as for `bezier_shoot`.
-    """
-    f = work[2:7, :grid.shape[1]]
-    low, width = 0.0, 1.0
-    for _ in range(LOOP_STRIPS):
-        quartic(grid, level, f)
-        for i in range(5):
-            restrict(f[i], start, end)
-        for j in range(f.shape[1]):
-            restrict(f[:, j], low, low + width)
-        if _is_cut_away(f, work):
-            low += width
-            if low >= 1.0:
-                return True
-            while low % (2 * width) == 0:
-                width *= 2
-        elif width > end - start:
-            width *= 0.5
-        else:
-            return False
-    return False
-
-
-@kernel
-def _is_cut_away(f, work):
-    """Whether cutting leaves no place in these control points for a loop of F. They are cut."""
-    largest_u, largest_t = work[7, :5], work[8, :f.shape[1]]
+def _strip_has_no_loop(f, work):
+    """`has_no_loop` for the part of F whose control points are given. What can be cut off is, until little comes off."""
+    largest_u, largest_t = work[12, :5], work[13, :f.shape[1]]
     for _ in range(LOOP_ROUNDS):
         for i in range(5):
             largest_u[i] = -inf
@@ -96,6 +68,40 @@ def _is_cut_away(f, work):
         for j in range(f.shape[1]):
             restrict(f[:, j], u_low, u_high)
     return False
+
+
+@kernel
+def has_no_loop(grid, start, end, level, work):
+    """Whether F, not positive at start and end, is proved not to be positive between them (paper, Sec. 3.2, COI handling).
+
+    Either all control points are negative, or F_t has one sign in the sub-region where F can be positive, found by cutting
+    off what lies outside the hull of the control points, in u and in t. Where that comes to a halt u is divided into strips: F_t may
+    have another sign in each. In u / (1 - u) = odds u' / (1 - u'), which only rescales control points, the best u is in the middle, however
+    different the bodies. level: as for `bezier_shoot`.
+    """
+    f, strip = work[2:7, :grid.shape[1]], work[7:12, :grid.shape[1]]
+    quartic(grid, level, f)
+    _, u, _ = best_certificate(grid, 0.5 * (start + end), 0.5)
+    odds, scale = u / (1 - u), 1.0
+    for i in range(5):
+        for j in range(f.shape[1]):
+            f[i, j] *= scale
+        scale *= odds
+        restrict(f[i], start, end)
+    low, width = 0.0, 1.0
+    while low < 1:
+        for j in range(f.shape[1]):
+            for i in range(5):
+                strip[i, j] = f[i, j]
+            restrict(strip[:, j], low, low + width)
+        if _strip_has_no_loop(strip, work):
+            low += width
+            width = min(2 * width, 1 - low)
+        elif width <= STRIP:
+            return False
+        else:
+            width *= 0.5
+    return True
 
 
 @kernel
@@ -192,7 +198,12 @@ def separation_intervals(grid, pieces, stack, work):
             beside_contact = (at_left or at_right) and right - left <= TANGENT      # the last bit of a regular contact's approach
             state = TOUCHING if not beside_contact else SEPARATE if kind == CSI else OVERLAPPING
             count = _emit(pieces, count, left, right, state)
-        elif not converged or right - left <= NARROW:
+            continue
+        if state == 0:                          # divided at a tangential contact, neither part would have it inside
+            middle = left + ASIDE * (right - left)
+            excess, u, converged = best_certificate(grid, middle, u)
+            state = state_of(excess)
+        if not converged or right - left <= NARROW:
             count = _emit(pieces, count, left, right, UNRESOLVED)
         elif state != 0 and (state < 0) == (kind == CSI):
             first, _ = contact_time(grid, left, middle, kind == COI, u)
