@@ -53,6 +53,10 @@ def read_system(path, frame=-1, format=None, inertia=None):
 
     ValueError when the file is none of these or has no such frame.
     """
+    try:
+        frame = operator.index(frame)
+    except TypeError:
+        raise ValueError(f"frame = {frame!r}: expected a whole number; negative counts from the end") from None
     if format == "h5md" or (format is None and Path(path).suffix.lower() not in SUFFIXES):
         system = read_h5md(path, frame)
         return system if inertia is None else System(system.positions, system.orientations, system.semi_axes, system.box, system.velocities,
@@ -61,7 +65,7 @@ def read_system(path, frame=-1, format=None, inertia=None):
     if not Path(path).is_file():
         raise ValueError(f"path = {str(path)!r}: no such file")
     try:
-        return room.read(path, operator.index(frame), inertia)
+        return room.read(path, frame, inertia)
     except ValueError as problem:
         if str(problem).startswith(("path", "frame", "format")):
             raise
@@ -85,7 +89,7 @@ def _selected(frames, count):
     if isinstance(frames, str):
         try:
             bounds = [int(bound) if bound.strip() else None for bound in frames.split(":")]
-            frames = bounds[0] if len(bounds) == 1 else slice(*bounds)
+            frames = slice(*bounds) if ":" in frames else int(frames)
         except (ValueError, TypeError):
             raise ValueError(f"frames = {frames!r}: expected {what}") from None
     try:

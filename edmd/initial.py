@@ -76,7 +76,10 @@ def from_ase(atoms, semi_axes=None, orientations=None, masses=None, inertia=None
         atoms.set_cell(-atoms.cell[:])
     cell, rotation = atoms.cell.standard_form()
     if orientations is None:
-        orientations = arrays["orientation"][:, [3, 0, 1, 2]] if "orientation" in arrays else [(1.0, 0, 0, 0)] * len(atoms)
+        orientations = [(1.0, 0, 0, 0)] * len(atoms)
+        if "orientation" in arrays:
+            what = f"quaternions (x, y, z, w), ({len(atoms)}, 4)"
+            orientations = checks.real_array("orientation", arrays["orientation"], (len(atoms), 4), what)[:, [3, 0, 1, 2]]
     positions, box = atoms.positions, np.array(cell)
     if not np.allclose(rotation, np.eye(3), atol=1e-14):
         from scipy.spatial.transform import Rotation

@@ -92,7 +92,8 @@ class System:
         """ase.Atoms, from which `edmd.from_ase` makes the same System again.
 
         OVITO maps the arrays orientation (x, y, z, w), aspherical_shape (semi-axes) and omega (angular velocities) by themselves;
-        moments_of_inertia is ours. The species are ASE's tags, and the symbols too, for colours: X, H, He, ... Velocities are momenta in ASE.
+        moments_of_inertia is ours. The species are ASE's tags, and the symbols too, for colours: X, H, He, ... ASE keeps velocities as
+        momenta.
         """
         import ase
 

@@ -1,6 +1,9 @@
 """Extended XYZ, with the column names that OVITO maps to ellipsoids. Written here, because ASE's writer keeps 8 decimals; read by ASE."""
 
-from edmd.formats.text import table, words
+from collections import deque
+from itertools import islice
+
+from edmd.formats.text import frame_index, table, words
 from edmd.initial import from_ase
 from edmd.system import element_symbols
 
@@ -21,9 +24,20 @@ def read(path, frame=-1, inertia=None):
     import ase.io
 
     try:
-        atoms = ase.io.read(path, index=frame, format="extxyz")
-    except (IndexError, StopIteration):
-        raise ValueError(f"frame = {frame}: {str(path)!r} has no such frame") from None
+        index = frame_index(frame, _count(path), path)
+        atoms = ase.io.read(path, index=index, format="extxyz")
     except (ValueError, KeyError, OSError) as problem:          # ASE's own XYZError is an OSError
+        if str(problem).startswith(("frame", "path")):
+            raise
         raise ValueError(f"path = {str(path)!r}: not extended XYZ that ASE can read ({problem})") from None
     return from_ase(atoms, inertia=inertia)
+
+
+def _count(path):
+    """The number of frames: ASE takes the first one for a frame that would lie before it."""
+    frames = 0
+    with open(path, encoding="utf-8") as file:
+        while (line := file.readline()).strip():
+            frames += 1
+            deque(islice(file, int(line) + 1), maxlen=0)
+    return frames

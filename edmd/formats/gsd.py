@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from ccd.quaternions import products, to_body, to_lab
-from edmd.formats.text import frame_index
+from edmd.formats.text import TILTS, frame_index
 from edmd.system import System
 
 CONJUGATE = np.array([1, -1, -1, -1])
@@ -26,8 +26,9 @@ def read(path, frame=-1, inertia=None):
         raise ValueError(f"path = {str(path)!r}: not a GSD file ({problem})") from None
     with file:
         at = file[frame_index(frame, len(file), path)]
-    bodies, (width, depth, height, xy, xz, yz) = at.particles, np.array(at.configuration.box, dtype=float)
-    box = np.array([[width, 0, 0], [xy * depth, depth, 0], [xz * height, yz * height, height]])
+    bodies, sizes = at.particles, np.array(at.configuration.box, dtype=float)
+    box = np.diag(sizes[:3])
+    box[TILTS] = sizes[3:] * sizes[[1, 2, 2]]
     semi_axes = np.array([_semi_axes(shape, path) for shape in bodies.type_shapes] or [_semi_axes({}, path)])
     if len(semi_axes) < len(bodies.types):
         raise ValueError(f"path = {str(path)!r}: {len(semi_axes)} type_shapes for {len(bodies.types)} types; expected one for each")
@@ -49,7 +50,8 @@ def _snapshot(gsd, system, images, time, step):
     momenta = system.moments * to_body(system.orientations, system.angular_velocities)
     frame = gsd.Frame()
     frame.configuration.step = int(step)
-    frame.configuration.box = _single([box[0, 0], box[1, 1], box[2, 2], box[1, 0] / box[1, 1], box[2, 0] / box[2, 2], box[2, 1] / box[2, 2]])
+    edges = np.diag(box)
+    frame.configuration.box = _single([*edges, *(box[TILTS] / edges[[1, 2, 2]])])
     bodies = frame.particles
     bodies.N, bodies.typeid, bodies.types = system.n, np.ravel(typeid).astype(np.uint32), _type_names(shapes[:, 0].astype(int))
     bodies.type_shapes = [{"type": "Ellipsoid", "a": a, "b": b, "c": c} for _, a, b, c in shapes.tolist()]

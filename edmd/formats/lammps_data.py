@@ -6,7 +6,7 @@ import numpy as np
 
 import edmd
 from ccd.quaternions import to_body, to_lab
-from edmd.formats.text import table, words
+from edmd.formats.text import TILTS, table, words
 from edmd.inertia import solid_moments
 from edmd.system import System
 
@@ -27,7 +27,7 @@ def write(path, frames):
         for bound, length in zip(BOUNDS, np.diag(box).tolist()):
             file.write(f"0.0 {length} {bound} {bound[0]}hi\n")
         if np.tril(box, -1).any():
-            file.write(f"{words(box[[1, 2, 2], [0, 0, 1]])} xy xz yz\n")
+            file.write(f"{words(box[TILTS])} xy xz yz\n")
         file.write("\nAtoms # ellipsoid\n\n" + table(number, system.species + 1, np.ones(system.n, dtype=int), density, system.positions,
                                                     images))
         file.write("\nEllipsoids\n\n" + table(number, 2 * system.semi_axes, system.orientations))
@@ -40,18 +40,14 @@ def read(path, frame=-1, inertia=None):
     header, sections = _parse(path)
     edges = np.array([header.get(f"{bound} {bound[0]}hi", (-0.5, 0.5)) for bound in BOUNDS])
     box = np.diag(edges[:, 1] - edges[:, 0])
-    box[[1, 2, 2], [0, 0, 1]] = header.get("xy xz yz", (0, 0, 0))
+    box[TILTS] = header.get("xy xz yz", (0, 0, 0))
     atoms, shapes = (_rows(sections, name, path) for name in ("Atoms", "Ellipsoids"))
-    if not (atoms[:, 2] == 1).all() or not np.array_equal(atoms[:, 0], shapes[:, 0]):
-        raise ValueError(f"path = {str(path)!r}: not every atom has a line in Ellipsoids; expected atom_style ellipsoid, ellipsoidflag 1")
+    motion = _rows(sections, "Velocities", path) if "Velocities" in sections else np.column_stack([atoms[:, 0], np.zeros((len(atoms), 6))])
+    if not (atoms[:, 2] == 1).all() or not all(np.array_equal(atoms[:, 0], other[:, 0]) for other in (shapes, motion)):
+        raise ValueError(f"path = {str(path)!r}: expected every atom with ellipsoidflag 1, a line in Ellipsoids and one in Velocities")
     semi_axes = shapes[:, 1:4] / 2
     still = System(atoms[:, 4:7] - edges[:, 0], shapes[:, 4:8], semi_axes, box, masses=atoms[:, 3] * _volumes(semi_axes),
                    species=atoms[:, 1].astype(int) - 1)
-    motion = np.zeros((still.n, 7))
-    if "Velocities" in sections:
-        motion = _rows(sections, "Velocities", path)
-        if len(motion) != still.n:
-            raise ValueError(f"path = {str(path)!r}: {len(motion)} lines in Velocities for {still.n} atoms")
     turning = to_lab(still.orientations, to_body(still.orientations, motion[:, 4:7]) / solid_moments(semi_axes, still.masses))
     return System(still.positions, still.orientations, still.semi_axes, box, motion[:, 1:4], turning, still.masses,
                   "solid" if inertia is None else inertia, still.species)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from edmd.formats.text import frame_index, table
+from edmd.formats.text import TILTS, frame_index, table
 from edmd.system import System
 
 GROUPS = {"position": "x y z", "image": "ix iy iz", "velocity": "vx vy vz", "angular velocity": "omegax omegay omegaz",
@@ -16,7 +16,7 @@ def write(path, frames):
     with open(path, "w", encoding="utf-8") as file:
         for system, images, _, step in frames:
             box = system.box
-            tilts = box[[1, 2, 2], [0, 0, 1]]
+            tilts = box[TILTS]
             extra = _overhang(*tilts)
             bounds = np.column_stack([extra[:, 0], np.diag(box) + extra[:, 1]])
             skew = tilts.any()
@@ -78,7 +78,7 @@ def _frame(path, frame):
     tilts = bounds[:, 2] if bounds.shape[1] == 3 else np.zeros(3)
     bounds = bounds[:, :2] - _overhang(*tilts)
     edges = np.diag(bounds[:, 1] - bounds[:, 0])
-    edges[[1, 2, 2], [0, 0, 1]] = tilts
+    edges[TILTS] = tilts
     return step, (edges, bounds[:, 0]), dict(zip(names, values.T))
 
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+TILTS = ([1, 2, 2], [0, 0, 1])          # where xy, xz and yz stand in the rows of a cell
+
 
 def table(*columns):
     """One line a body from columns (n,) or (n, k); every float in the fewest digits that read back as the same float64."""
