@@ -156,7 +156,7 @@ def _render(options):
 def _export(options):
     from edmd.exchange import export
 
-    frames = export(options.file, options.output, options.format, options.frames, options.overwrite)
+    frames = export(options.file, options.output, options.format, options.frames, options.overwrite, progress=True)
     _say({"frames": frames, "file": options.output})
     return 0
 

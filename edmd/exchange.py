@@ -16,13 +16,13 @@ FORMATS = tuple(dict.fromkeys(SUFFIXES.values()))
 ONE_FRAME = ("edmd.formats.lammps_data",)
 
 
-def export(source, path, format=None, frames=None, overwrite=False):
+def export(source, path, format=None, frames=None, overwrite=False, progress=False):
     """Write a System, or frames of a run, for other programs to read.
 
     source: a System, or the path of an H5MD file of ours. path: the file to write; it appears when it is complete, and an existing one is
     refused unless overwrite is true. format: "extxyz", "gsd", "lammps-data" or "lammps-dump", else told by the suffix (.xyz, .extxyz;
     .gsd; .data; .dump, .lammpstrj). frames, of a file: an index, a slice, or text such as "10:", "::5", "-1"; default all, or the last
-    for LAMMPS data, which hold one. What each format keeps, and how exactly, is in docs/file_format.md.
+    for LAMMPS data, which hold one. progress: a bar, on a terminal. What each format keeps, and how exactly: docs/file_format.md.
 
     -> the number of frames written. ValueError in words for bad input, before anything is written.
     """
@@ -34,6 +34,8 @@ def export(source, path, format=None, frames=None, overwrite=False):
         whole.positions, images = wrap(source.positions, source.box)
         _write(room, check_output(path, overwrite), [Frame(whole, images)])
         return 1
+    if not isinstance(source, str | os.PathLike):
+        raise ValueError(f"source = {source!r}: expected a System or the path of a run")
     with open_run(source) as file:
         if Path(path).exists() and Path(path).samefile(source):
             raise ValueError(f"output = {str(path)!r}: is the file to read; expected another name")
@@ -41,7 +43,7 @@ def export(source, path, format=None, frames=None, overwrite=False):
         indices = _selected(-1 if frames is None and one else frames, len(file["particles/trajectory/position/step"]))
         if one and len(indices) > 1:
             raise ValueError(f"frames = {frames!r}: selects {len(indices)} frames, and a LAMMPS data file holds one; expected one index")
-        _write(room, path, (frame_of(file, source, index) for index in indices))
+        _write(room, path, (frame_of(file, source, index) for index in (_shown(indices) if progress else indices)))
         return len(indices)
 
 
@@ -100,6 +102,13 @@ def _selected(frames, count):
     if not chosen:
         raise ValueError(f"frames = {frames!r}: selects none of the {count} frames")
     return chosen
+
+
+def _shown(indices):
+    """The indices, with a bar that tqdm draws on a terminal only."""
+    from tqdm import tqdm
+
+    return tqdm(indices, unit="frame", leave=False, disable=None)
 
 
 def _write(room, path, frames):

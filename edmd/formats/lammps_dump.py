@@ -29,25 +29,25 @@ def write(path, frames):
 
 def read(path, frame=-1, inertia=None):
     step, box, columns = _frame(path, frame)
-    absent = [name for name in ("type", *GROUPS["position"].split(), *GROUPS["orientation"].split(), *GROUPS["shape"].split())
-              if name not in columns]
+    absent = [name for name in f"type {GROUPS['position']} {GROUPS['orientation']} {GROUPS['shape']}".split() if name not in columns]
     if absent:
         raise ValueError(f"path = {str(path)!r}: the frame of step {step} has no columns {' '.join(absent)}; expected them as edmd writes "
                          "them, or from compute property/atom with dump_modify colname")
-    order = np.argsort(columns["id"], kind="stable") if "id" in columns else slice(None)
+    order = np.argsort(columns["id"].astype(int), kind="stable") if "id" in columns else slice(None)
 
-    def group(name):
-        names = GROUPS[name].split()
-        return np.column_stack([columns[one] for one in names])[order] if all(one in columns for one in names) else None
+    def group(names):
+        known = [columns[name].astype(float) for name in names.split() if name in columns]
+        return np.column_stack(known)[order] if len(known) == len(names.split()) else None
 
     edges, origin = box
-    return System(group("position") - origin, group("orientation"), group("shape") / 2, edges, group("velocity"),
-                  group("angular velocity"), columns["mass"][order] if "mass" in columns else 1.0,
-                  "solid" if inertia is None else inertia, columns["type"][order].astype(int) - 1)
+    masses = 1.0 if "mass" not in columns else group("mass")[:, 0]
+    return System(group(GROUPS["position"]) - origin, group(GROUPS["orientation"]), group(GROUPS["shape"]) / 2, edges,
+                  group(GROUPS["velocity"]), group(GROUPS["angular velocity"]), masses, "solid" if inertia is None else inertia,
+                  columns["type"][order].astype(int) - 1)
 
 
 def _frame(path, frame):
-    """-> step, (cell vectors, origin), {column: numbers} of one frame; only that frame is parsed."""
+    """-> step, (cell vectors, origin), {column: words} of one frame; only that frame is parsed."""
     starts, at = [], 0
     try:
         with open(path, "rb") as file:
@@ -68,18 +68,16 @@ def _frame(path, frame):
         step, count = int(items["TIMESTEP"][1]), int(items["NUMBER OF ATOMS"][1])
         bounds = np.array(items["BOX BOUNDS"][1].split(), dtype=float).reshape(3, -1)
         names = items["ATOMS"][0].split()[1:]
-        rows = [row.split() for row in items["ATOMS"][1].splitlines()]
-        values = np.array([[row[k] for k in range(len(names)) if names[k] != "element"] for row in rows], dtype=float)
-        names = [name for name in names if name != "element"]
-        if bounds.shape[1] not in (2, 3) or values.shape != (count, len(names)):
-            raise ValueError(f"{len(values)} lines for {count} atoms, {bounds.shape[1]} bounds")
+        words = np.array([row.split() for row in items["ATOMS"][1].splitlines()])
+        if bounds.shape[1] not in (2, 3) or words.shape != (count, len(names)):
+            raise ValueError(f"{len(words)} lines for {count} atoms of {len(names)} columns, {bounds.shape[1]} numbers a bound")
     except (KeyError, IndexError, ValueError) as problem:
         raise ValueError(f"path = {str(path)!r}: frame {frame} is not one of a LAMMPS text dump, or is truncated ({problem})") from None
     tilts = bounds[:, 2] if bounds.shape[1] == 3 else np.zeros(3)
     bounds = bounds[:, :2] - _overhang(*tilts)
     edges = np.diag(bounds[:, 1] - bounds[:, 0])
     edges[TILTS] = tilts
-    return step, (edges, bounds[:, 0]), dict(zip(names, values.T))
+    return step, (edges, bounds[:, 0]), dict(zip(names, words.T))
 
 
 def _overhang(xy, xz, yz):

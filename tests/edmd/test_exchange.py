@@ -177,11 +177,12 @@ def as_mdanalysis_reads(path, **more):
     return MDAnalysis.Universe(str(path), **options[path.suffix], **more)
 
 
+@pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize(("format", "cell"), [("lammps-data", "skew"), ("lammps-dump", "skew"), ("gsd", "straight")])
-def test_mdanalysis_reads_cells_places_and_types(format, cell, tmp_path):
-    """Not the cell of GSD when it is skew: MDAnalysis 2.11 takes its tilts for angles."""
+def test_mdanalysis_reads_cells_places_and_types(format, cell, seed, tmp_path):
+    """Tilts of both signs. Not the cell of GSD when it is skew: MDAnalysis 2.11 takes its tilts for angles."""
     other.needs_format(format)
-    one = other.system(9, cell)
+    one = other.system(seed, cell)
     path = tmp_path / f"one{other.FORMATS[format]}"
     edmd.export(one, path)
     universe = as_mdanalysis_reads(path)
@@ -189,6 +190,19 @@ def test_mdanalysis_reads_cells_places_and_types(format, cell, tmp_path):
     middle = one.box.sum(axis=0) / 2 if format == "gsd" else 0
     assert np.abs(universe.atoms.positions + middle - one.positions).max() < 1e-6 * one.box.max()
     assert universe.atoms.types.astype(int).tolist() == (one.species + (format != "gsd")).tolist()
+
+
+def test_mdanalysis_reads_shapes_and_turning_from_a_dump(tmp_path):
+    one = other.system(9)
+    edmd.export(one, tmp_path / "one.dump")
+    columns = {"shapex": 2 * one.semi_axes[:, 0], "shapey": 2 * one.semi_axes[:, 1], "shapez": 2 * one.semi_axes[:, 2],
+               "quatw": one.orientations[:, 0], "quati": one.orientations[:, 1], "quatj": one.orientations[:, 2],
+               "quatk": one.orientations[:, 3], "mass": one.masses, "omegax": one.angular_velocities[:, 0],
+               "omegay": one.angular_velocities[:, 1], "omegaz": one.angular_velocities[:, 2]}
+    read = as_mdanalysis_reads(tmp_path / "one.dump", additional_columns=list(columns)).trajectory.ts
+    assert read.velocities == pytest.approx(one.velocities, abs=1e-6)
+    for name, values in columns.items():
+        assert read.data[name] == pytest.approx(values, rel=1e-6), name
 
 
 @READABLE
@@ -368,6 +382,24 @@ def test_lammps_data_with_another_origin_order_and_no_velocities(tmp_path):
     assert system.box.tolist() == np.diag([10, 11, 4]).tolist()
     assert system.orientations.tolist() == [[1, 0, 0, 0], [0, 1, 0, 0]]
     assert not system.angular_velocities.any()
+
+
+def test_lammps_dump_of_others(tmp_path):
+    """Columns in any order, unsorted, with words among them; no masses, no motion; an origin of its own."""
+    path = tmp_path / "other.dump"
+    frame = ("ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS xy xz yz pp pp pp\n-6 5 -1\n-5 5 0\n1 9 0\n"
+             "ITEM: ATOMS element id shapex shapey shapez type x y z quatw quati quatj quatk\n"
+             "Ar 2 1 1 4 3 0 0 2 0 0 0 1\nKr 1 2 2 2 1 -5 -5 1 1 0 0 0\n")
+    path.write_text("ITEM: UNITS\nlj\n" + frame.format(10) + "ITEM: TIME\n0.5\n" + frame.format(20))
+    for frame in (0, 1):
+        system = edmd.read_system(path, frame)
+        assert system.box.tolist() == [[10, 0, 0], [-1, 10, 0], [0, 0, 8]]
+        assert system.positions.tolist() == [[0, 0, 0], [5, 5, 1]]
+        assert system.semi_axes.tolist() == [[1, 1, 1], [0.5, 0.5, 2]]
+        assert system.orientations.tolist() == [[1, 0, 0, 0], [0, 0, 0, 1]]
+        assert system.species.tolist() == [0, 2]
+        assert system.masses.tolist() == [1, 1]
+        assert not system.velocities.any()
 
 
 def test_h5md_with_another_inertia(growing):

@@ -131,9 +131,11 @@ def test_without_the_library_of_gsd(run, capsys, tmp_path, monkeypatch):
     refused(capsys, [run, "-o", tmp_path / "out.gsd"], tmp_path, "pip install")
 
 
-def test_a_system_has_no_frames_to_choose(tmp_path):
+def test_a_system_has_no_frames_to_choose_and_nothing_is_no_system(tmp_path):
     with pytest.raises(ValueError, match="frames = 0: a System is one state"):
         edmd.export(other.system(1), tmp_path / "a.xyz", frames=0)
+    with pytest.raises(ValueError, match="source = None"):
+        edmd.export(None, tmp_path / "a.xyz")
     assert list(tmp_path.iterdir()) == []
 
 
