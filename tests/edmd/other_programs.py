@@ -16,10 +16,10 @@ SINGLE = 2.0**-23               # float32: distance from 1 to the next number
 
 
 def system(seed, cell="skew", shapes=3, n=12, outside=False):
-    """A mixture of triaxial bodies, spheroids and spheres with random poses, motion and masses; overlaps do not matter here."""
+    """A mixture of triaxial bodies, needles and spheres with random poses, motion and masses; overlaps do not matter here."""
     rng = np.random.default_rng(seed)
     scale = 10.0**rng.uniform(-2, 2)
-    kinds = scale * np.array([[0.5, 0.7, 0.9], [0.6, 0.6, 1.3], [0.4, 0.4, 0.4]])[:shapes] * rng.uniform(0.5, 1.5, (shapes, 1))
+    kinds = scale * np.array([[0.5, 0.7, 0.9], [0.2, 0.2, 1.5], [0.4, 0.4, 0.4]])[:shapes] * rng.uniform(0.5, 1.5, (shapes, 1))
     species = rng.integers(0, shapes, n)
     box = scale * np.diag(rng.uniform(5, 9, 3))
     if cell == "skew":
