@@ -18,6 +18,11 @@ def to_lab(orientations, vectors):
     return np.einsum("nij,nj->ni", rotation_matrices(orientations), vectors)
 
 
+def to_body(orientations, vectors):
+    """Vectors (n, 3) given in the lab, in the bodies' frames."""
+    return np.einsum("nji,nj->ni", rotation_matrices(orientations), vectors)
+
+
 def products(p, q):
     """p q (n, 4): the rotation q in the body's frame followed by p."""
     pw, pv, qw, qv = p[:, :1], p[:, 1:], q[:, :1], q[:, 1:]

@@ -25,7 +25,8 @@ def main(arguments=None):
         print(f"edmd {options.name}: {problem}", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
-        print(f"edmd {options.name}: interrupted; frames already written are kept", file=sys.stderr)
+        kept = "frames already written are kept" if options.command is _pack else "nothing was written"
+        print(f"edmd {options.name}: interrupted; {kept}", file=sys.stderr)
         return INTERRUPTED
 
 
@@ -80,6 +81,15 @@ def _parser():
     render.add_argument("--colour", "--color", choices=["orientation", "species", "contacts"], default="orientation")
     render.add_argument("--contact-gap", type=float, default=1e-5, help="relative gap below which two bodies are in contact")
     render.add_argument("--size", type=int, nargs=2, default=[900, 900], metavar=("WIDTH", "HEIGHT"), help="in pixels")
+
+    export = command("export", _export, "write a run for other programs: extended XYZ (ASE, OVITO), GSD (HOOMD), LAMMPS data or dump")
+    export.add_argument("file")
+    export.add_argument("-o", "--output", required=True, help="file to write; its suffix tells the format: .xyz or .extxyz, .gsd, .data, "
+                        ".dump or .lammpstrj")
+    export.add_argument("--format", default=None, help="extxyz, gsd, lammps-data or lammps-dump, whatever the suffix")
+    export.add_argument("--frames", default=None, metavar="START:STOP:STEP", help="frames to write, as in Python, or one number; "
+                        "--frames=-1 is the last (default: all; of LAMMPS data, which hold one, the last)")
+    export.add_argument("--overwrite", action="store_true", help="replace the output when it exists")
     return parser
 
 
@@ -141,6 +151,14 @@ def _render(options):
 
     return _draw(options, lambda output: render(options.file, output, options.frame, options.colour, tuple(options.size),
                                                   contact_gap=options.contact_gap))
+
+
+def _export(options):
+    from edmd.exchange import export
+
+    frames = export(options.file, options.output, options.format, options.frames, options.overwrite, progress=True)
+    _say({"frames": frames, "file": options.output})
+    return 0
 
 
 def _draw(options, draw):

@@ -18,8 +18,7 @@ def principal_moments(inertia, semi_axes, masses):
     kinds = symmetry_axes(semi_axes)
     if isinstance(inertia, str):
         if inertia == "solid":
-            squares = semi_axes**2
-            moments = masses[:, None] / 5 * (squares.sum(axis=1, keepdims=True) - squares)
+            moments = solid_moments(semi_axes, masses)
             moments[kinds == 3] = moments[kinds == 3].mean(axis=1, keepdims=True)
         elif inertia == "sphere":
             moments = np.repeat(0.4 * masses * semi_axes.prod(axis=1)**(2 / 3), 3).reshape(n, 3)
@@ -38,6 +37,12 @@ def principal_moments(inertia, semi_axes, masses):
         raise ValueError(f"inertia = {inertia!r}: the free rotation of three different principal moments is not built yet; expected equal "
                          "moments, or for a body of revolution equal ones across its axis")
     return moments
+
+
+def solid_moments(semi_axes, masses):
+    """Principal moments (n, 3) of ellipsoids of uniform density: m (b^2 + c^2) / 5 about the first axis, and so on."""
+    squares = semi_axes**2
+    return masses[:, None] / 5 * (squares.sum(axis=1, keepdims=True) - squares)
 
 
 def shape_turning(system):

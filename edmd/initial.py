@@ -48,31 +48,50 @@ def lattice(name, semi_axes, packing_fraction, cells=(5, 5, 5), seed=0, stretche
     return thermalized(from_ase(unit.repeat(counts), semi_axes, masses=masses, inertia=inertia), seed)
 
 
-def from_ase(atoms, semi_axes, orientations=None, masses=1.0, inertia="solid", species=None):
-    """A System at rest from periodic ase.Atoms: positions and cell, turned so that the first cell vector lies along x, the second in xy.
+def from_ase(atoms, semi_axes=None, orientations=None, masses=None, inertia=None, species=None):
+    """A System from periodic ase.Atoms: positions and cell, turned so that the first cell vector lies along x, the second in xy.
 
-    semi_axes as in System. orientations (n, 4), (w, x, y, z): default the array "orientation" of the atoms ((x, y, z, w), as OVITO and
-    `System.to_ase` have it), else all parallel to the axes. Bodies turn with the cell.
+    What is not given comes from the atoms, as `System.to_ase` and extended XYZ have it: semi_axes (as in System) from the array
+    aspherical_shape; orientations (n, 4), (w, x, y, z), from orientation, (x, y, z, w), else all parallel to the axes; masses from mass or
+    the masses that were set, else 1; velocities from velo or the momenta, angular velocities from omega, else rest; species from the tags;
+    inertia from moments_of_inertia when the shapes are the atoms' own too, else "solid". Bodies and motion turn with the cell.
     """
     if not atoms.pbc.all():
         raise ValueError(f"atoms.pbc = {atoms.pbc.tolist()}: expected three periodic directions")
+    arrays = atoms.arrays
+    if semi_axes is None:
+        if "aspherical_shape" not in arrays:
+            raise ValueError("semi_axes = None: expected three lengths, one row of three a species or a body, or atoms with an array "
+                             f"aspherical_shape; they have {', '.join(arrays)}")
+        semi_axes = arrays["aspherical_shape"]
+        inertia = arrays.get("moments_of_inertia") if inertia is None else inertia
+    if masses is None:
+        masses = arrays.get("mass", atoms.get_masses() if atoms.has("masses") else 1.0)
+    if species is None and atoms.has("tags"):
+        species = atoms.get_tags()
+    velocities = arrays.get("velo", atoms.get_velocities() if atoms.has("momenta") else None)
+    turning = arrays.get("omega")
     if atoms.cell.handedness < 0:           # the same lattice, its vectors turned round
         atoms = atoms.copy()
         atoms.set_cell(-atoms.cell[:])
     cell, rotation = atoms.cell.standard_form()
     if orientations is None:
-        orientations = atoms.arrays["orientation"][:, [3, 0, 1, 2]] if "orientation" in atoms.arrays else [(1.0, 0, 0, 0)] * len(atoms)
+        orientations = [(1.0, 0, 0, 0)] * len(atoms)
+        if "orientation" in arrays:
+            what = f"quaternions (x, y, z, w), ({len(atoms)}, 4)"
+            orientations = checks.real_array("orientation", arrays["orientation"], (len(atoms), 4), what)[:, [3, 0, 1, 2]]
     positions, box = atoms.positions, np.array(cell)
     if not np.allclose(rotation, np.eye(3), atol=1e-14):
         from scipy.spatial.transform import Rotation
 
-        positions = positions @ rotation.T
+        positions, velocities, turning = (None if vectors is None else vectors @ rotation.T for vectors in (positions, velocities, turning))
         w, x, y, z = np.transpose(checks.unit_quaternions("orientations", orientations, (len(atoms), 4)))
         turned = Rotation.from_matrix(rotation) * Rotation.from_quat(np.stack([x, y, z, w], axis=1))
         orientations = turned.as_quat()[:, [3, 0, 1, 2]]
     else:
         box = np.array(atoms.cell)
-    return System(positions, orientations, semi_axes, np.tril(box), masses=masses, inertia=inertia, species=species)
+    return System(positions, orientations, semi_axes, np.tril(box), velocities, turning, masses, "solid" if inertia is None else inertia,
+                  species)
 
 
 def random_system(n, semi_axes, packing_fraction, seed=0, masses=1.0, inertia="solid"):

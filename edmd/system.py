@@ -89,16 +89,28 @@ class System:
         return float(np.sqrt(f.min())) if len(f) else np.inf
 
     def to_ase(self):
-        """ase.Atoms with the arrays that OVITO maps to ellipsoids: orientation (x, y, z, w) and aspherical_shape (semi-axes)."""
+        """ase.Atoms, from which `edmd.from_ase` makes the same System again.
+
+        OVITO maps the arrays orientation (x, y, z, w), aspherical_shape (semi-axes) and omega (angular velocities) by themselves;
+        moments_of_inertia is ours. The species are ASE's tags, and the symbols too, for colours: X, H, He, ... ASE keeps velocities as
+        momenta.
+        """
         import ase
 
-        atoms = ase.Atoms(numbers=np.zeros(self.n, dtype=int), positions=self.positions, cell=self.box, pbc=True)
+        atoms = ase.Atoms(symbols=element_symbols(self.species), positions=self.positions, cell=self.box, pbc=True, tags=self.species)
         atoms.set_masses(self.masses)
         atoms.set_velocities(self.velocities)
-        atoms.set_array("orientation", self.orientations[:, [1, 2, 3, 0]])
-        atoms.set_array("aspherical_shape", self.semi_axes)
-        atoms.set_array("species", self.species)
+        for name, array in {"orientation": self.orientations[:, [1, 2, 3, 0]], "aspherical_shape": self.semi_axes,
+                            "omega": self.angular_velocities, "moments_of_inertia": self.moments}.items():
+            atoms.set_array(name, array)
         return atoms
+
+
+def element_symbols(species):
+    """A chemical symbol for each species, as programs for atoms ask for one and colour by it: X for 0, then H, He, ..."""
+    from ase.data import chemical_symbols
+
+    return [chemical_symbols[label % len(chemical_symbols)] for label in species]
 
 
 def wrap(positions, box):

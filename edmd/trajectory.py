@@ -2,6 +2,7 @@
 
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -194,21 +195,34 @@ def read_system(path, frame=-1):
         frames = len(file["particles/trajectory/position/step"])
         if not -frames <= frame < frames:
             raise ValueError(f"frame = {frame}: expected one from {-frames} to {frames - 1}")
-        return _frame_system(file, path, frame % frames)
+        return frame_of(file, path, frame % frames).system
 
 
-def _frame_system(file, path, frame):
+class Frame(NamedTuple):
+    """A state as files keep it: the bodies inside the cell, the images (n, 3) they were in, time, and collisions so far."""
+
+    system: System
+    images: np.ndarray
+    time: float = 0.0
+    step: int = 0
+
+
+def frame_of(file, path, frame):
+    """The Frame of this index, from 0, in a file that `open_run` opened."""
     group = file["particles/trajectory"]
     try:
         value = {name: group[f"{name}/value"][frame] for name in ("position", "orientation", *VECTORS)}
         box = group["box/edges/value"][frame]
-        masses, species = group["mass"][:], group["species"][:]
+        images, masses, species = group["image/value"][frame], group["mass"][:], group["species"][:]
+        at, step = group["position/time"][frame], group["position/step"][frame]
     except OSError as problem:
         raise ValueError(f"path = {str(path)!r}: frame {frame} cannot be read, the file is truncated ({problem})") from None
     if not np.isfinite(value["position"]).all():
         raise ValueError(f"path = {str(path)!r}: frame {frame} has positions that are not finite")
-    return System(wrap(value["position"], box)[0], value["orientation"], value["semi_axes"], box, value["velocity"],
-                  value["angular_velocity"], masses, value["moments"], species)
+    inside, more = wrap(value["position"], box)
+    system = System(inside, value["orientation"], value["semi_axes"], box, value["velocity"], value["angular_velocity"], masses,
+                    value["moments"], species)
+    return Frame(system, images + more, float(at), int(step))
 
 
 def verify_file(path):
@@ -220,7 +234,7 @@ def verify_file(path):
     with open_run(path) as file:
         frames = len(file["particles/trajectory/position/step"])
         for frame in range(frames):
-            system = _frame_system(file, path, frame)
+            system = frame_of(file, path, frame).system
             scale = system.smallest_scale()
             smallest = min(smallest, scale)
             if scale < 1 - OVERLAP:
