@@ -18,7 +18,7 @@ demo: .venv/installed
 	$(BIN)/python examples/demo.py $(DEMO)
 
 test: .venv/installed-for-tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto
 
 validate: .venv/installed-for-tests
 	$(BIN)/python -m pytest -m validate
