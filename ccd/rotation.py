@@ -45,7 +45,7 @@ def _cos_and_sinc(square):
 @kernel
 def _cos_and_sin(x):
     """Of any angle and without a branch, so that loops become vector instructions: less whole turns, an eighth of it, doubled thrice."""
-    turns = (x / TURN_HIGH + ROUNDS) - ROUNDS
+    turns = (x * (1 / TURN_HIGH) + ROUNDS) - ROUNDS
     x = (x - turns * TURN_HIGH) - turns * TURN_LOW
     eighth = 0.125 * min(max(x, -4.0), 4.0)
     c, s = _series(eighth * eighth)

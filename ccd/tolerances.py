@@ -10,7 +10,6 @@ TOUCHING_POINT = 1e-6       # |f - 1| up to which a pair has a contact point by 
 SHOOT_STEPS = 2000          # cap of the certified shoot; a regular contact takes about 10, grazing ones more; then UNRESOLVED
 ROUNDING = 4e-15            # relative error of the terms of the characteristic polynomial over the aspect ratio of B: some 20 roundings
 UNDERFLOW = 1e-280          # discriminant (of roots in units of the relative sizes) below which float64 loses digits; then f decides
-HORIZON_ROUNDS = 2          # looks for the longest reach of a turning plane; each round is on the safe side
 CANCELLING = 4e-16          # what float64 loses in a difference of squares, relative to the squares
 SPHERE_MARGIN = 1e-9        # relative widening of bounding spheres, so that the window they leave loses nothing to rounding
 LAG = 1.0                   # twice the share of its gap that a plane may lose by not being the best one before time stops to make it better

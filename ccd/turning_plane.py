@@ -12,7 +12,7 @@ from math import inf, sqrt
 
 from ccd.compiling import kernel
 from ccd.separation import shape_matrix
-from ccd.tolerances import CANCELLING, HORIZON_ROUNDS
+from ccd.tolerances import CANCELLING
 from ccd.vectors import add, add_scaled, cross, dot, scale, subtract
 
 
@@ -43,7 +43,7 @@ def swing(s, axis, rate):
 
 @kernel
 def facing(s, flight, n):
-    """A body as it stands to the unit direction n. -> h, the supporting point c of the body without its size, curvature and drift.
+    """A body as it stands to the unit direction n. -> h, the supporting point c of the body without its size, curvature, drift and 1 / h.
 
     s: its semi-axis vectors at size 1; flight: (size, spin, growth).
     curvature: H, the second derivative of size * h by n, eq. (8b). drift: what the body's flight adds to the right side of eq. (8b).
@@ -57,7 +57,7 @@ def facing(s, flight, n):
     curvature = (k * (x[0] - c[0] * c[0]), k * (x[1] - c[1] * c[1]), k * (x[2] - c[2] * c[2]),
                  k * (x[3] - c[0] * c[1]), k * (x[4] - c[0] * c[2]), k * (x[5] - c[1] * c[2]))
     drift = subtract(scale(size, cross(c, spin)), add_scaled(times(curvature, cross(n, spin)), growth, c))
-    return h, c, curvature, drift
+    return h, c, curvature, drift, over
 
 
 @kernel
@@ -81,16 +81,16 @@ def support_series(face, flight, n, m):
 
     face, flight: as for `facing`.
     """
-    h, c, curvature, _ = face
+    h, c, curvature, _, over_h = face
     size, spin, growth = flight
     d0, e1 = cross(n, spin), cross(m, spin)
     d, e = add(d0, m), add_scaled(cross(d0, spin), 2.0, e1)
     f = add_scaled(scale(3.0, cross(e1, spin)), -dot(spin, spin), d0)
-    rate, bend, over = dot(c, d), dot(c, e), size / h
+    rate, bend, over = dot(c, d), dot(c, e), size * over_h
     turned = times(curvature, d)
     second = dot(turned, d) + size * bend
     third = dot(turned, e) + over * rate * bend + size * (1 / 3) * dot(c, f)
-    return size * rate + growth * h, second, third, 2 * growth * rate, rate / h, growth / size, over
+    return size * rate + growth * h, second, third, 2 * growth * rate, rate * over_h, growth / size, over
 
 
 @kernel
@@ -109,27 +109,20 @@ def first_root(gap, rate, bend):
     square = rate * rate + 2 * bend * gap
     root = sqrt(max(square, 0.0))
     over, under = (2 * gap, root - rate) if rate < 0 else (rate + root, bend)
-    return over / under if (square >= 0) & (under > 0) else inf
+    return inf if (square < 0) | (under <= 0) else over / under
 
 
 @kernel
 def holding_span(plane, body_a, body_b, left, guess):
     """How long a turning plane keeps the bodies apart at least, eq. (8c); inf when it does for all the time that is left.
 
-    plane: (gap, rate, twice m.v, |m|); body: (series, swing). guess: where to look first. The bend grows with the reach that it must hold
-    for, so the reach that it allows is bracketed; every look gives a time on the safe side. No look goes further than where the tangent
-    of h has fallen to half its value.
+    plane: (gap, rate, twice m.v, |m|); body: (series, swing). guess: how far to look. The bend grows with the reach that it must hold for;
+    every reach gives a time on the safe side, and a look at a second one costs more than the steps that it saves. No look goes further
+    than where the tangent of h has fallen to half its value.
     """
     gap, rate, helping, turning = plane
     (series_a, swing_a), (series_b, swing_b) = body_a, body_b
-    low, high = 0.0, min(left, 0.5 / max(-series_a[4], -series_b[4], 1e-300))
-    reach = min(high, guess if guess > 0.0 else left)
-    for _ in range(HORIZON_ROUNDS):
-        bend = support_bend(series_a, swing_a, turning, reach) + support_bend(series_b, swing_b, turning, reach) - helping
-        root = first_root(gap, rate, bend)
-        holds = root > reach
-        for_ever = holds & (reach == left)
-        low = max(low, reach if holds else root)
-        high = high if holds else reach
-        reach = min(high, 4 * reach) if holds else sqrt(low * high)
-    return inf if for_ever else low
+    reach = min(left, 0.5 / max(-series_a[4], -series_b[4], 1e-300), guess if guess > 0.0 else left)
+    bend = support_bend(series_a, swing_a, turning, reach) + support_bend(series_b, swing_b, turning, reach) - helping
+    root = first_root(gap, rate, bend)
+    return (inf if reach == left else reach) if root > reach else root

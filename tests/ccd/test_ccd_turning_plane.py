@@ -1,6 +1,6 @@
 """The bounds of a plane that turns: no body in flight goes beyond them, and they are exact to the order that they claim."""
 
-from math import cos, sin
+from math import cos, isnan, nan, sin
 
 import numpy as np
 import pytest
@@ -125,6 +125,10 @@ def test_a_body_of_revolution_that_spins_about_its_axis_does_not_swing():
     (0, 1, 2, 1), (0, -1, 3, 0), (1, 1, -1, np.inf), (1, 0, 0, np.inf)])
 def test_the_first_root_of_a_parabola(gap, rate, bend, root):
     assert first_root(float(gap), float(rate), float(bend)) == pytest.approx(root, rel=1e-15)
+
+
+def test_what_float64_cannot_hold_is_never_taken_for_a_time():
+    assert all(isnan(first_root(*each)) for each in [(nan, 1.0, 1.0), (1.0, nan, 1.0), (1.0, 1.0, nan), (1.0, -1.0, nan)])
 
 
 @pytest.mark.parametrize("far", [1, 1e3, 1e7])
