@@ -22,7 +22,7 @@ import numpy as np
 sys.path[:0] = [str(Path(__file__).parent.parent / folder) for folder in ("tests/oracles", "tests/ccd", ".")]
 
 import dense  # noqa: E402
-from pairs import bodies, directions, meeting, single  # noqa: E402
+from pairs import bodies, directions, joined, meeting, single  # noqa: E402
 from provenance import provenance  # noqa: E402
 
 import ccd  # noqa: E402
@@ -56,10 +56,6 @@ def in_a_ball(rng, pairs):
     for each in flights:
         each.angular_velocity[:] = 6 * directions(rng, pairs) * rng.uniform(0, 1, (pairs, 1))**(1 / 3)
     return flights
-
-
-def joined(*flights):
-    return dense.Flights(*(np.concatenate([getattr(each, name) for each in flights]) for name in dense.Flights.__dataclass_fields__))
 
 
 def figures(a, b):

@@ -7,7 +7,7 @@ import sys
 import dense
 import numpy as np
 import pytest
-from pairs import bodies, meeting, single
+from pairs import bodies, joined, meeting, single
 from test_ccd_hard_flights import alike, crossing, equal, generic, growing, needle_and_sphere, needles, plates, scaled
 
 import ccd
@@ -29,10 +29,6 @@ def compare(a, b, t_max=1.0):
     np.testing.assert_array_equal(status, expected_status)
     np.testing.assert_array_equal(time, expected_time)
     return status
-
-
-def joined(*flights):
-    return dense.Flights(*(np.concatenate([getattr(each, name) for each in flights]) for name in dense.Flights.__dataclass_fields__))
 
 
 @pytest.mark.parametrize("make", KINDS, ids=lambda make: make.__name__)
