@@ -2,18 +2,16 @@
 
     python benchmarks/free_flight.py --pairs 4300
 
-Two mixes. hard: half pairs that come near each other (semi-axes log-uniform in 0.15 to 3, 6 apart, spins up to 12 rad a window; about
+Three mixes. hard: half pairs that come near each other (semi-axes log-uniform in 0.15 to 3, 6 apart, spins up to 12 rad a window; about
 half of them touch), half pairs that graze, at touching scales of 1 +- 1e-3, 1e-5 and 1e-7. easy: the first kind only, with semi-axes 0.5 to
-2 and spins up to 3 rad.
+2 and spins up to 3 rad. trial: as hard, with spins uniform in a ball of 6 rad.
 All flights are made by the tests' oracles. Times are CPU times on one core after warm-up, the best of several; `median_ns` is over
-queries each timed by itself many times over, with all that it costs to call a batch. `per_solve`: how many contact functions
+queries each timed by itself, in a batch of many copies, with all that it costs to call one. `per_solve`: how many contact functions
 (`ccd.batch.contact_function`, same pairs, one core, same run) take as long as a mean query. `parallel_ns`: wall time a query on all cores.
 """
 
 import argparse
 import json
-import platform
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -24,7 +22,8 @@ import numpy as np
 sys.path[:0] = [str(Path(__file__).parent.parent / folder) for folder in ("tests/oracles", "tests/ccd", ".")]
 
 import dense  # noqa: E402
-from pairs import bodies, meeting, single  # noqa: E402
+from pairs import bodies, directions, joined, meeting, single  # noqa: E402
+from provenance import provenance  # noqa: E402
 
 import ccd  # noqa: E402
 from ccd import Status  # noqa: E402
@@ -38,22 +37,25 @@ def main():
     parser.add_argument("--seed", type=int, default=2009)
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    mixes = {"hard": hard(rng, options.pairs), "easy": meeting(rng, options.pairs, (0.5, 2), 3)}
+    mixes = {"hard": hard(rng, options.pairs), "easy": meeting(rng, options.pairs, (0.5, 2), 3),
+             "trial": hard(rng, options.pairs, in_a_ball)}
     print(json.dumps({"benchmark": "free_flight", "pairs": options.pairs, **{name: figures(*mix) for name, mix in mixes.items()},
-                      "threads": numba.get_num_threads(), "machine": platform.processor() or platform.machine(),
-                      "commit": subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()}))
+                      "threads": numba.get_num_threads(), **provenance()}))
 
 
-def hard(rng, pairs):
-    one, other = meeting(rng, pairs // 2)
-    a, b = meeting(rng, pairs // (2 * len(DEPTHS)))
+def hard(rng, pairs, made=meeting):
+    one, other = made(rng, pairs // 2)
+    a, b = made(rng, pairs // (2 * len(DEPTHS)))
     at_zero, _ = dense.graze(a, b, 1.0, np.zeros(len(a)), rounds=8)
     grazing = [dense.graze(a, at_zero, 1.0, np.full(len(a), depth), rounds=3, samples=150)[0] for depth in DEPTHS]
     return joined(one, *[a] * len(DEPTHS)), joined(other, *grazing)
 
 
-def joined(*flights):
-    return dense.Flights(*(np.concatenate([getattr(each, name) for each in flights]) for name in dense.Flights.__dataclass_fields__))
+def in_a_ball(rng, pairs):
+    flights = meeting(rng, pairs)
+    for each in flights:
+        each.angular_velocity[:] = 6 * directions(rng, pairs) * rng.uniform(0, 1, (pairs, 1))**(1 / 3)
+    return flights
 
 
 def figures(a, b):

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from ccd import blocks, checks, separation
+from ccd import blocks, checks, flight_blocks, separation
 from ccd.characteristic import UNCERTAIN, decided_state
-from ccd.compiling import kernel, parallel_kernel
-from ccd.first_contact import free_flight_contact
-from ccd.rotation import load_quaternion
+from ccd.compiling import parallel_kernel
 from ccd.tolerances import SHARP
 from ccd.vectors import load
 
@@ -122,7 +120,7 @@ def first_contact(bodies_a, bodies_b, t_max=1.0):
         if (1 + bodies.growth_rate * t_max <= 0).any():
             raise ValueError(f"{name}.growth_rate: the semi-axes of a body would vanish before t_max = {t_max}")
     time, status = np.empty(len(bodies_a)), np.empty(len(bodies_a), dtype=np.int8)
-    _first_contacts(_rows(bodies_a), _rows(bodies_b), t_max, time, status)
+    flight_blocks.first_contacts(_flights(bodies_a), _flights(bodies_b), t_max, time, status)
     return time, status
 
 
@@ -161,17 +159,5 @@ def _affine_contact_functions(g, t, f):
         f[k] = value if converged else np.nan
 
 
-def _rows(bodies):
-    return np.hstack([bodies.semi_axes, bodies.center, bodies.orientation, bodies.velocity, bodies.angular_velocity,
-                      bodies.growth_rate[:, None]])
-
-
-@kernel
-def _flight(row):
-    return load(row, 0), load(row, 3), load_quaternion(row, 6), load(row, 10), load(row, 13), row[16]
-
-
-@parallel_kernel
-def _first_contacts(rows_a, rows_b, t_max, time, status):
-    for k in numba.prange(len(time)):
-        status[k], time[k], _, _, _ = free_flight_contact(_flight(rows_a[k]), _flight(rows_b[k]), t_max)
+def _flights(bodies):
+    return *_pose(bodies), bodies.velocity, bodies.angular_velocity, bodies.growth_rate

@@ -11,8 +11,8 @@ them away, holds the direction fixed: `support_motion`, `gap_motion` and `holdin
 from math import inf, sqrt
 
 from ccd.compiling import kernel
-from ccd.rotation import body_axes, turn
-from ccd.separation import best_plane, contact_point, semi_axis_vectors
+from ccd.rotation import body_axes, turn_about
+from ccd.separation import best_plane, contact_point, semi_axis_vectors, support
 from ccd.status import Status
 from ccd.tolerances import CANCELLING, EXACT, LAG, SHOOT_STEPS, SPHERE_MARGIN, TOUCHING
 from ccd.turning_plane import facing, following, holding_span, support_series, swing
@@ -20,6 +20,8 @@ from ccd.vectors import add, add_scaled, cross, dot, norm, scale, subtract
 
 CONTACT, NO_CONTACT, OVERLAPPING, UNRESOLVED = (int(Status.CONTACT), int(Status.NO_CONTACT), int(Status.OVERLAPPING),
                                                 int(Status.UNRESOLVED))
+UNDERWAY, LAGGING = -1, -2                              # of a shoot that has not ended
+MOVED, CORRECTED, BEST = 0.0, 1.0, 2.0                  # how the plane of a state came about: carried on, by Newton, by the pencil
 
 
 @kernel
@@ -98,66 +100,104 @@ def scaled(size, s):
 
 
 @kernel
-def free_flight_contact(a, b, t_max):
-    """First contact of two free flights in [0, t_max]. -> status, time, unit normal from A to B, contact point, steps.
+def launch(a, b, t_max):
+    """Two flights as the shoot takes them. -> status, body A, body B, (start, velocity, end), state.
 
-    A flight is (semi_axes, centre, orientation, velocity, angular_velocity, growth_rate): tuples and a number.
+    A flight is (semi_axes, centre, orientation, velocity, angular_velocity, growth_rate): tuples and a number. A body: (semi_axes,
+    spin axis, spin rate, growth_rate, `swing`). start: from A to B at t = 0. State: what `advance` changes.
     """
-    axes_a, centre_a, turn_a, velocity_a, spin_a, growth_a = a
-    axes_b, centre_b, turn_b, velocity_b, spin_b, growth_b = b
-    velocity, start = subtract(velocity_b, velocity_a), subtract(centre_b, centre_a)
-    n = nowhere = (0.0, 0.0, 0.0)
-    if norm(start) == 0.0:
-        return OVERLAPPING, 0.0, nowhere, centre_a, 0
+    axes_a, centre_a, turn_a, velocity_a, _, growth_a = a
+    axes_b, centre_b, turn_b, velocity_b, _, growth_b = b
+    start, velocity = subtract(centre_b, centre_a), subtract(velocity_b, velocity_a)
     radius_a, radius_b = max(axes_a), max(axes_b)
     time, end = meeting_window(start, velocity, radius_a + radius_b, radius_a * growth_a + radius_b * growth_b, t_max)
-    if time >= end:
-        return NO_CONTACT, inf, nowhere, nowhere, 0
-    swing_a = swing(semi_axis_vectors(axes_a, body_axes(turn_a)), spin_a)
-    swing_b = swing(semi_axis_vectors(axes_b, body_axes(turn_b)), spin_b)
-    n, ahead, guess = add_scaled(start, time, velocity), time, end
-    for step in range(SHOOT_STEPS):
-        turn_a, turn_b = turn(turn_a, spin_a, ahead), turn(turn_b, spin_b, ahead)
-        s_a, s_b = semi_axis_vectors(axes_a, body_axes(turn_a)), semi_axis_vectors(axes_b, body_axes(turn_b))
-        size_a, size_b = 1 + growth_a * time, 1 + growth_b * time
-        r = add_scaled(start, time, velocity)
-        balance, maximised = 0.5, False
-        for attempt in range(3):
-            if maximised:
-                n, _, converged = best_plane(scaled(size_a, s_a), scaled(size_b, s_b), r, balance, EXACT)
-                if not converged:
-                    return UNRESOLVED, time, n, nowhere, step
-            else:
-                n = scale(1.0 / norm(n), n)
-            face_a, face_b = facing(s_a, size_a, spin_a, growth_a, n), facing(s_b, size_b, spin_b, growth_b, n)
-            supports = size_a * face_a[0] + size_b * face_b[0]
-            gap = dot(n, r) - supports
-            gap_now = max(gap, 0.0)
-            if maximised:
-                break
-            balance = size_a * face_a[0] / supports                 # lambda where n is the best direction of touching bodies, eq. (2)
-            if gap <= TOUCHING * supports:
-                maximised = True
-                continue
-            lag = add_scaled(add_scaled(r, -size_a, face_a[1]), -size_b, face_b[1])
-            towards = following(face_a, face_b, gap_now, n, lag)
-            if 0.0 < dot(lag, towards) <= LAG * gap:
-                break
-            n, maximised = add(n, towards), attempt > 0             # one step of Newton, then the pencil
-        if time == 0.0 and gap < -TOUCHING * supports:
-            return OVERLAPPING, 0.0, n, contact_point(centre_a, scaled(size_a, s_a), r, scaled(size_b, s_b), n), 0
-        m = following(face_a, face_b, gap_now, n, add(velocity, add(face_a[3], face_b[3])))
-        flight_a, flight_b = (size_a, spin_a, growth_a), (size_b, spin_b, growth_b)
-        series_a, series_b = support_series(face_a, flight_a, n, m), support_series(face_b, flight_b, n, m)
-        rate = dot(n, velocity) + dot(m, r) - series_a[0] - series_b[0]
-        plane = (gap_now, rate, 2 * dot(m, velocity), norm(m))
-        ahead = holding_span(plane, (series_a, swing_a), (series_b, swing_b), end - time, guess)
-        if rate < 0 and (gap <= TOUCHING * supports or time + ahead == time):
-            where = add_scaled(centre_a, time, velocity_a)
-            return CONTACT, time, n, contact_point(where, scaled(size_a, s_a), r, scaled(size_b, s_b), n), step
-        time += ahead
-        guess = 2 * ahead
-        n = add_scaled(n, ahead, m)
-        if time > end:
-            return NO_CONTACT, inf, nowhere, nowhere, step
-    return UNRESOLVED, time, n, nowhere, SHOOT_STEPS
+    status = OVERLAPPING if norm(start) == 0 else NO_CONTACT if time >= end else UNDERWAY
+    state = (turn_a, turn_b, add_scaled(start, time, velocity), time, time, end, MOVED)
+    return status, _launched(a), _launched(b), (start, velocity, end), state
+
+
+@kernel
+def _launched(flight):
+    semi_axes, _, orientation, _, spin, growth = flight
+    rate = norm(spin)
+    axis = scale(1.0 / max(rate, 1e-300), spin)
+    return semi_axes, axis, rate, growth, swing(semi_axis_vectors(semi_axes, body_axes(orientation)), axis, rate)
+
+
+@kernel
+def advance(a, b, course, state):
+    """One pass of the shoot: a step in time, or where the plane lags behind the best one, a step of Newton to it. -> status, new state.
+
+    UNDERWAY: go on. LAGGING: go on from `maximised`. Any other status ends the shoot, and the state is that of the end. No branch.
+    """
+    semi_axes_a, axis_a, rate_a, growth_a, swing_a = a
+    semi_axes_b, axis_b, rate_b, growth_b, swing_b = b
+    start, velocity, end = course
+    turn_a, turn_b, n, time, ahead, guess, plane = state
+    turn_a, turn_b = turn_about(turn_a, axis_a, rate_a * ahead), turn_about(turn_b, axis_b, rate_b * ahead)
+    s_a, s_b = semi_axis_vectors(semi_axes_a, body_axes(turn_a)), semi_axis_vectors(semi_axes_b, body_axes(turn_b))
+    flight_a, flight_b = (1 + growth_a * time, scale(rate_a, axis_a), growth_a), (1 + growth_b * time, scale(rate_b, axis_b), growth_b)
+    r = add_scaled(start, time, velocity)
+    n = scale(1.0 / norm(n), n)
+    face_a, face_b = facing(s_a, flight_a, n), facing(s_b, flight_b, n)
+    supports = flight_a[0] * face_a[0] + flight_b[0] * face_b[0]
+    gap = dot(n, r) - supports
+    gap_now, slack = max(gap, 0.0), TOUCHING * supports
+    lag = add_scaled(add_scaled(r, -flight_a[0], face_a[1]), -flight_b[0], face_b[1])
+    towards, solved = following(face_a, face_b, gap_now, n, lag)
+    near = solved & (gap >= -slack) & (dot(lag, towards) <= max(LAG * gap, slack))
+    lags = (plane != BEST) & (not near)
+
+    m, _ = following(face_a, face_b, gap_now, n, add(velocity, add(face_a[3], face_b[3])))
+    series_a, series_b = support_series(face_a, flight_a, n, m), support_series(face_b, flight_b, n, m)
+    rate = dot(n, velocity) + dot(m, r) - series_a[0] - series_b[0]
+    span = holding_span((gap_now, rate, 2 * dot(m, velocity), norm(m)), (series_a, swing_a), (series_b, swing_b), end - time, guess)
+
+    met = (rate < 0) & ((gap <= slack) | (time + span == time))
+    inside = (time == 0) & (gap < -slack)
+    arrived = OVERLAPPING if inside else CONTACT if met else NO_CONTACT if time + span > end else UNDERWAY
+    status = (UNDERWAY if plane == MOVED else LAGGING) if lags else arrived
+    moves = (status == UNDERWAY) & (not lags)
+    step, correct = span if moves else 0.0, 1.0 if status == UNDERWAY else 0.0
+    n = add_scaled(add_scaled(n, step, m), correct, towards)
+    return status, (turn_a, turn_b, n, time + step, step, 2 * step if moves else guess, MOVED if moves else CORRECTED)
+
+
+@kernel
+def maximised(a, b, course, state):
+    """The state with the best plane of its time, by the pencil. -> converged, state."""
+    turn_a, turn_b, n, time, ahead, guess, _ = state
+    s_a, s_b, r = _standing(a, b, course, state)
+    h_a, h_b = support(s_a, n), support(s_b, n)
+    n, _, converged = best_plane(s_a, s_b, r, h_a / (h_a + h_b), EXACT)
+    return converged, (turn_a, turn_b, n, time, ahead, guess, BEST)
+
+
+@kernel
+def _standing(a, b, course, state):
+    """Semi-axis vectors of both bodies, and r, at the time of the state."""
+    size_a, size_b = 1 + a[3] * state[3], 1 + b[3] * state[3]
+    return (scaled(size_a, semi_axis_vectors(a[0], body_axes(state[0]))), scaled(size_b, semi_axis_vectors(b[0], body_axes(state[1]))),
+            add_scaled(course[0], state[3], course[1]))
+
+
+@kernel
+def free_flight_contact(a, b, t_max):
+    """First contact of two free flights (see `launch`) in [0, t_max]. -> status, time, unit normal from A to B, contact point, steps."""
+    status, body_a, body_b, course, state = launch(a, b, t_max)
+    steps = 0
+    while status == UNDERWAY and steps < SHOOT_STEPS:
+        status, state = advance(body_a, body_b, course, state)
+        steps += 1
+        if status == LAGGING:
+            converged, state = maximised(body_a, body_b, course, state)
+            status = UNDERWAY if converged else UNRESOLVED
+    _, _, n, time, _, _, _ = state
+    if status == UNDERWAY:
+        return UNRESOLVED, time, n, a[1], SHOOT_STEPS
+    if status == NO_CONTACT:
+        return NO_CONTACT, inf, n, a[1], steps
+    if steps == 0:                                                      # concentric
+        return OVERLAPPING, time, n, a[1], 0
+    s_a, s_b, r = _standing(body_a, body_b, course, state)
+    return status, time, n, contact_point(add_scaled(a[1], time, a[3]), s_a, r, s_b, n), steps

@@ -22,6 +22,11 @@ def meeting(rng, n, axes=(0.15, 3.0), spin=12.0, growth=0.0):
     return a, body(a.center + apart, a.velocity + (miss - apart) * rng.uniform(0.5, 2, (n, 1)))
 
 
+def joined(*flights):
+    """One after another, as if they were one."""
+    return Flights(*(np.concatenate([getattr(each, name) for each in flights]) for name in Flights.__dataclass_fields__))
+
+
 def bodies(flights):
     """As the product takes them in a batch."""
     return ccd.Bodies(flights.semi_axes, flights.center, flights.orientation, flights.velocity, flights.angular_velocity,

@@ -307,10 +307,12 @@ def test_a_batch_gives_the_same_bits_on_any_number_of_threads():
 
 
 def test_what_stays_unresolved_says_where_and_why():
-    """A speck 1e-40 small: float64 cannot hold the pencil parameter. It is said where the two meet, not guessed how."""
-    speck = Ellipsoid((1e-40, 2e-40, 1e-40))
-    found = ccd.first_contact(speck, FreeFlight((0.1, 0, 0), (1, 2, 3)),
-                              Ellipsoid((1, 2, 1), (0.3, 3, 0)), FreeFlight((0, -2, 0), (0, 0.3, 1)))
+    """A speck 1e-40 small: float64 cannot hold the pencil parameter. Where it starts inside, that is said, and not guessed."""
+    speck, flight = Ellipsoid((1e-40, 2e-40, 1e-40)), FreeFlight((0.1, 0, 0), (1, 2, 3))
+    outside, inside = (ccd.first_contact(speck, flight, Ellipsoid((1, 2, 1), center), FreeFlight((0, -2, 0), (0, 0.3, 1)))
+                       for center in ((0.3, 3, 0), (0.1, 0.5, 0.3)))
+    assert outside.status == Status.CONTACT
+    found = inside
     assert found.status == Status.UNRESOLVED
     assert f"at time {found.time} the pencil" in found.reason
     assert "steps" in queries._reason(Status.UNRESOLVED, 0.25, SHOOT_STEPS)

@@ -49,14 +49,15 @@ def test_rotations_about_vectors(size):
 
 # the half-angle 0.5 is where the series gives way to the library: angles on both sides, and far beyond
 
-@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-3, 0.5, 0.999, 1 - 1e-12, 1 + 1e-12, 1.001, 2.0, 3.2, 12.0, 500.0, -0.7, -5.0])
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-3, 0.5, 0.999, 1 - 1e-12, 1 + 1e-12, 1.001, 2.0, 3.2, 6.28, 12.0, 500.0, 1e6, -0.7, -5.0])
 def test_turning_at_a_constant_rate(angle):
     for k, q in enumerate(random_quaternions(7, 10)):
         axis = np.random.default_rng(k).normal(size=3)
         axis /= np.linalg.norm(axis)
         time = 0.37
-        turned = rotation.turn(tuple(q.tolist()), tuple((angle / time * axis).tolist()), time)
-        same_rotation(turned, Rotation.from_rotvec(angle * axis) * scipy(q), 2e-15 + 2e-16 * abs(angle))
+        for turned in (rotation.turn(tuple(q.tolist()), tuple((angle / time * axis).tolist()), time),
+                       rotation.turn_about(tuple(q.tolist()), tuple(axis.tolist()), angle)):
+            same_rotation(turned, Rotation.from_rotvec(angle * axis) * scipy(q), 2e-15 + 2e-16 * abs(angle))
 
 
 def test_turning_keeps_a_quaternion_unit_over_many_steps():

@@ -1,5 +1,7 @@
 """The bounds of a plane that turns: no body in flight goes beyond them, and they are exact to the order that they claim."""
 
+from math import cos, isnan, nan, sin
+
 import numpy as np
 import pytest
 from dense import Flights
@@ -7,7 +9,7 @@ from pairs import directions
 
 from ccd.first_contact import meeting_window
 from ccd.turning_plane import facing, first_root, following, holding_span, support_bend, support_series, swing
-from ccd.vectors import add, dot, norm
+from ccd.vectors import add, dot, norm, scale
 
 AXES = [(0.9, 1.1), (0.3, 2), (0.05, 3)]
 
@@ -25,8 +27,9 @@ def parts(body, k, n, m):
     """series and swing of body k in the direction n + t m, as the shoot makes them."""
     s = kernel_vectors(body.pick([k]).at(np.zeros(1))[1][0])
     spin, growth = tuple(body.angular_velocity[k].tolist()), float(body.growth_rate[k])
-    face = facing(s, 1.0, spin, growth, tuple(n))
-    return face, support_series(face, (1.0, spin, growth), tuple(n), tuple(m)), swing(s, spin)
+    flight, rate = (1.0, spin, growth), norm(spin)
+    face = facing(s, flight, tuple(n))
+    return face, support_series(face, flight, tuple(n), tuple(m)), swing(s, scale(1 / max(rate, 1e-300), spin), rate)
 
 
 def support(body, k, direction, time):
@@ -80,7 +83,9 @@ def test_the_direction_that_is_followed_is_the_best_to_first_order():
             return 2 * m @ velocity - sum(bends)
 
         (face_a, *_), (face_b, *_) = (parts(body, k, n.tolist(), [0.0, 0.0, 0.0]) for body in (a, b))
-        best = np.array(following(face_a, face_b, 0.0, tuple(n.tolist()), add(tuple(velocity.tolist()), add(face_a[3], face_b[3]))))
+        best, solved = following(face_a, face_b, 0.0, tuple(n.tolist()), add(tuple(velocity.tolist()), add(face_a[3], face_b[3])))
+        best = np.array(best)
+        assert solved
         assert abs(best @ n) < 1e-12 * (1 + np.linalg.norm(best))
         for other in directions(rng, 4):
             other = 0.1 * (other - (other @ n) * n)
@@ -96,7 +101,7 @@ def test_a_plane_separates_the_bodies_for_its_span(guess):
         (face_a, _, swing_a), (face_b, _, swing_b) = (parts(body, k, n.tolist(), [0.0, 0.0, 0.0]) for body in (a, b))
         gap, velocity = 0.2, -n + rng.normal(size=3)
         r = (gap + face_a[0] + face_b[0]) * n + 0.3 * np.cross(n, rng.normal(size=3))
-        m = following(face_a, face_b, gap, tuple(n.tolist()), add(tuple(velocity.tolist()), add(face_a[3], face_b[3])))
+        m, _ = following(face_a, face_b, gap, tuple(n.tolist()), add(tuple(velocity.tolist()), add(face_a[3], face_b[3])))
         (_, series_a, _), (_, series_b, _) = (parts(body, k, n.tolist(), m) for body in (a, b))
         rate = float(n @ velocity + m @ r) - series_a[0] - series_b[0]
         plane = (gap, rate, 2 * dot(m, tuple(velocity.tolist())), norm(m))
@@ -109,8 +114,10 @@ def test_a_plane_separates_the_bodies_for_its_span(guess):
 
 
 def test_a_body_of_revolution_that_spins_about_its_axis_does_not_swing():
-    assert max(swing(((2.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (3.0, 0.0, 0.0))) < 1e-3
-    assert min(swing(((2.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (3.0, 0.1, 0.0))) > 0.9
+    s = ((2.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    assert max(swing(s, (1.0, 0.0, 0.0), 3.0)) < 1e-3
+    assert min(swing(s, (cos(1 / 30), sin(1 / 30), 0.0), 3.0)) > 0.9
+    assert swing(s, (0.0, 0.0, 0.0), 0.0) == (0, 0, 0)
 
 
 @pytest.mark.parametrize(("gap", "rate", "bend", "root"), [
@@ -118,6 +125,10 @@ def test_a_body_of_revolution_that_spins_about_its_axis_does_not_swing():
     (0, 1, 2, 1), (0, -1, 3, 0), (1, 1, -1, np.inf), (1, 0, 0, np.inf)])
 def test_the_first_root_of_a_parabola(gap, rate, bend, root):
     assert first_root(float(gap), float(rate), float(bend)) == pytest.approx(root, rel=1e-15)
+
+
+def test_what_float64_cannot_hold_is_never_taken_for_a_time():
+    assert all(isnan(first_root(*each)) for each in [(nan, 1.0, 1.0), (1.0, nan, 1.0), (1.0, 1.0, nan), (1.0, -1.0, nan)])
 
 
 @pytest.mark.parametrize("far", [1, 1e3, 1e7])
