@@ -109,9 +109,9 @@ def contact_time(grid, low, high, low_overlaps, start):
 
 
 @kernel
-def recursive_shoot(grid, end, work):
-    """The first contact in [0, end], end at most 1 (paper, Sec. 3.3). -> status, time, u, shoots."""
-    time, u = 0.0, 0.5
+def recursive_shoot(grid, u, end, work):
+    """The first contact in [0, end], end at most 1 (paper, Sec. 3.3). u: a guess of the best one at 0. -> status, time, u, shoots."""
+    time = 0.0
     for shoot in range(SHOOT_STEPS):
         excess, u, converged = best_certificate(grid, time, u)
         if not converged:

@@ -92,7 +92,7 @@ class CCDEquation:
         """The first contact by recursive Bézier shoots (paper, Sec. 3.3). -> Contact, as from ccd.first_contact"""
         shoots = 0
         for k, part in enumerate(self._parts):
-            status, s, u, count = recursive_shoot(part.grid, 1.0, loop_work(part.grid.shape[1] - 1))
+            status, s, u, count = recursive_shoot(part.grid, 0.5, 1.0, loop_work(part.grid.shape[1] - 1))
             shoots += count
             if status == Status.OVERLAPPING and k > 0:      # rounding at the border of two parts: the shoot came here without contact
                 status = Status.CONTACT

@@ -231,7 +231,7 @@ def _pair(row_a, row_b, pair, options, bound, space):
     s_a = semi_axis_vectors(load(row_a, 0), body_axes(load_quaternion(row_a, 6)))
     s_b = semi_axis_vectors(load(row_b, 0), body_axes(load_quaternion(row_b, 6)))
     r_start, r_end = subtract(load(row_b, 3), load(row_a, 3)), subtract(load(row_b, 10), load(row_a, 10))
-    n, _, converged = best_plane(s_a, s_b, r_start, balance(shape_matrix(s_a), shape_matrix(s_b)), EXACT)
+    n, x, converged = best_plane(s_a, s_b, r_start, balance(shape_matrix(s_a), shape_matrix(s_b)), EXACT)
     h_a, h_b = support(s_a, n), support(s_b, n)
     if dot(r_start, r_start) == 0.0 or dot(n, r_start) - h_a - h_b < -TOUCHING * (h_a + h_b):
         return OVERLAPPING, 0.0, 0.5
@@ -249,7 +249,7 @@ def _pair(row_a, row_b, pair, options, bound, space):
         a, b = _member(space.a, 0), _member(space.b, 0)
         _affine_pair(a, b, row_a, row_b, space.wide)
     fill_grid(space.grid, a, b, 1, work)
-    status, time, u, _ = recursive_shoot(space.grid, bound, space.wide)
+    status, time, u, _ = recursive_shoot(space.grid, 1 - x, bound, space.wide)
     return OUTCOME_OF[status], time, u
 
 
