@@ -210,12 +210,17 @@ def keeps_sign(p, work):
 
     Zero means: not above VANISHING of its largest control point.
     """
+    sign = 1.0 if p[0] > 0 else -1.0
+    least = most = sign * p[0]
+    for x in p:
+        least, most = min(least, sign * x), max(most, sign * x)
+    if least > VANISHING * most:                    # weights are positive: these have the signs of the control points
+        return True
     points, c = work[0, :len(p)], work[1, :len(p)]
     control_points(p, points)
     largest = 0.0
     for x in points:
         largest = max(largest, abs(x))
-    sign = 1.0 if points[0] > 0 else -1.0
     low, width = 0.0, 1.0
     for _ in range(CLIPPING_STEPS):
         _part(points, low, min(low + width, 1.0), c)
