@@ -17,6 +17,7 @@ from edmd.tolerances import OVERLAP
 
 FORMAT = 1
 FLUSH_SECONDS = 1.0
+SELDOM = 20             # frames are flushed at once unless flushing would take more than one part in so many of the time
 LOG_CHUNK = 1024
 UNITS = {"position": "Angstrom", "velocity": "Angstrom ps-1"}      # MDAnalysis' base units: the numbers stay as they are
 VECTORS = ("velocity", "angular_velocity", "semi_axes", "moments")
@@ -27,15 +28,15 @@ LOG = ("time", "collisions", "packing_fraction", "reduced_pressure", "pressure",
 class Trajectory(Observer):
     """Writes what it sees to an H5MD file; a context manager, for one or several runs of one simulation.
 
-    when: Every(...) or Milestones(...). The first and the last state of every run are frames too, each state once. Every upkeep interval
-    becomes a row of the log. Flushed at least every second while events go on. parameters: recorded in the file. An existing file is
-    refused unless overwrite is true.
+    when: Every(...), Logarithmic(...) or Milestones(...). The first and the last state of every run are frames too, each state once.
+    Every upkeep interval becomes a row of the log. Flushed at least every second while events go on. parameters: recorded in the file;
+    start: so is this digest of the state it all starts from. An existing file is refused unless overwrite is true.
     """
 
-    def __init__(self, path, when=None, parameters=None, overwrite=False):
+    def __init__(self, path, when=None, parameters=None, overwrite=False, start=None):
         super().__init__(when if when is not None else Every(collisions_per_particle=100))
         self.path = check_output(path, overwrite)
-        self._parameters = parameters or {}
+        self._parameters, self._start = parameters or {}, start
         self._overwrite, self._file, self._closed = overwrite, None, False
 
     def __enter__(self):
@@ -52,6 +53,25 @@ class Trajectory(Observer):
             self._file.close()
             self._file = None
 
+    def memory(self):
+        """Its place in the file, which is flushed."""
+        self._flush()
+        return {**super().memory(), "frames": len(self._file["particles/trajectory/position/step"]),
+                "rows": len(self._file["edmd/log/time"]), "since": self._since, "begun": self._begun}
+
+    def restore(self, memory):
+        """Go on in the file of the trajectory whose memory this is; what was written after that is cut off."""
+        super().restore(memory)
+        self._since, self._begun = Interval(*memory["since"]), Interval(*memory["begun"])
+        self._rows, self._flushed, self._flush_seconds = [], time.monotonic(), 0.0
+        self._file = h5py.File(self.path, "r+")
+        for series, length in ((_frame_series(self._file), memory["frames"]), (self._file["edmd/log"].values(), memory["rows"])):
+            for dataset in series:
+                if len(dataset) < length:
+                    raise ValueError(f"path = {str(self.path)!r}: {dataset.name} has {len(dataset)} entries, and the checkpoint was made "
+                                     f"after {length}: expected the file that belongs to the checkpoint, whole")
+                dataset.resize(length, axis=0)
+
     def start(self, view):
         if self._closed:
             raise ValueError(f"output = {str(self.path)!r}: this trajectory is closed; expected a new one for another file")
@@ -66,17 +86,16 @@ class Trajectory(Observer):
         self._rows.append((view.time, view.collisions, view.packing_fraction, means.reduced_pressure, means.pressure, means.temperature,
                            means.collision_rate))
         if time.monotonic() - self._flushed > FLUSH_SECONDS:
-            self._write_log()
-            self._file.flush()
-            self._flushed = time.monotonic()
+            self._flush()
 
     def see(self, view):
         self._frame(view)
+        if time.monotonic() - self._flushed > SELDOM * self._flush_seconds:
+            self._flush()
 
     def finish(self, view):
         self._frame(view)
-        self._write_log()
-        self._file.flush()
+        self._flush()
 
     def _frame(self, view):
         steps = self._file["particles/trajectory/position/step"]
@@ -102,7 +121,7 @@ class Trajectory(Observer):
     def _create(self, view):
         system, n = view.system, view.n
         self._file = file = h5py.File(self.path, "w" if self._overwrite else "x")
-        self._rows, self._flushed = [], time.monotonic()
+        self._rows, self._flushed, self._flush_seconds = [], time.monotonic(), 0.0
         header = file.create_group("h5md")
         header.attrs["version"] = np.array([1, 1], dtype=np.int32)
         header.create_group("author").attrs["name"] = "edmd"
@@ -129,9 +148,16 @@ class Trajectory(Observer):
             element = _series(observables, name, ())
             element["step"], element["time"] = step, at
         own = file.create_group("edmd")
-        own.attrs.update({"format": FORMAT, "complete": False, **provenance(self._parameters, view.seed)})
+        own.attrs.update({"format": FORMAT, "complete": False, **provenance(self._parameters, view.seed, self._start)})
         for name in LOG:
             _grow(own.require_group("log"), name, (), chunk=LOG_CHUNK)
+
+    def _flush(self):
+        began = time.monotonic()
+        self._write_log()
+        self._file.flush()
+        self._flushed = time.monotonic()
+        self._flush_seconds = self._flushed - began
 
     def _write_log(self):
         if self._rows:
@@ -153,6 +179,19 @@ def _grow(group, name, shape, dtype=np.float64, chunk=1):
     """An empty dataset that grows along its first axis; frames are chunks of one, single numbers of many."""
     chunk = chunk if shape else max(chunk, LOG_CHUNK)
     return group.create_dataset(name, (0, *shape), maxshape=(None, *shape), chunks=(chunk, *shape), dtype=dtype)
+
+
+def _frame_series(file):
+    """Every dataset that has an entry a frame, each once."""
+    found = {}
+
+    def take(_, item):
+        if isinstance(item, h5py.Dataset) and item.maxshape[:1] == (None,):
+            found[h5py.h5o.get_info(item.id).addr] = item
+
+    file["particles/trajectory"].visititems(take)
+    file["observables"].visititems(take)
+    return found.values()
 
 
 def _append(dataset, frame, value):
