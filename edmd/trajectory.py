@@ -1,6 +1,7 @@
 """Trajectories in H5MD (docs/file_format.md): an observer that writes them, and the way back to a System."""
 
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import h5py
@@ -9,6 +10,7 @@ import numpy as np
 import edmd
 from edmd.averages import Interval
 from edmd.inertia import temperature_of
+from edmd.journal import BeingWritten, JournaledFile, put_back
 from edmd.observers import Every, Observer
 from edmd.outputs import check_output
 from edmd.provenance import provenance
@@ -48,10 +50,17 @@ class Trajectory(Observer):
     def close(self, complete=True):
         self._closed = True
         if self._file is not None:
-            self._write_log()
-            self._file["edmd"].attrs["complete"] = complete
-            self._file.close()
-            self._file = None
+            file, self._file = self._file, None
+            try:
+                if self._disk.failure is None:
+                    self._write_log(file)
+                    file["edmd"].attrs["complete"] = complete
+            finally:
+                file.close()
+                try:
+                    self._disk.commit()
+                finally:
+                    self._disk.close()
 
     def memory(self):
         """Its place in the file, which is flushed."""
@@ -64,7 +73,8 @@ class Trajectory(Observer):
         super().restore(memory)
         self._since, self._begun = Interval(*memory["since"]), Interval(*memory["begun"])
         self._rows, self._flushed, self._flush_seconds = [], time.monotonic(), 0.0
-        self._file = h5py.File(self.path, "r+")
+        self._disk = JournaledFile(self.path, "r+")
+        self._file = h5py.File(self._disk, "r+")
         for series, length in ((_frame_series(self._file), memory["frames"]), (self._file["edmd/log"].values(), memory["rows"])):
             for dataset in series:
                 if len(dataset) < length:
@@ -120,7 +130,8 @@ class Trajectory(Observer):
 
     def _create(self, view):
         system, n = view.system, view.n
-        self._file = file = h5py.File(self.path, "w" if self._overwrite else "x")
+        self._disk = JournaledFile(self.path, "w" if self._overwrite else "x")
+        self._file = file = h5py.File(self._disk, "w")
         self._rows, self._flushed, self._flush_seconds = [], time.monotonic(), 0.0
         header = file.create_group("h5md")
         header.attrs["version"] = np.array([1, 1], dtype=np.int32)
@@ -154,14 +165,15 @@ class Trajectory(Observer):
 
     def _flush(self):
         began = time.monotonic()
-        self._write_log()
+        self._write_log(self._file)
         self._file.flush()
+        self._disk.commit()
         self._flushed = time.monotonic()
         self._flush_seconds = self._flushed - began
 
-    def _write_log(self):
+    def _write_log(self, file):
         if self._rows:
-            log = self._file["edmd/log"]
+            log = file["edmd/log"]
             first, more = len(log["time"]), len(self._rows)
             for name, column in zip(LOG, np.array(self._rows, dtype=float).T):
                 log[name].resize(first + more, axis=0)
@@ -204,6 +216,8 @@ def open_run(path):
     path = Path(path)
     if not path.exists():
         raise ValueError(f"path = {str(path)!r}: no such file")
+    with suppress(BeingWritten, PermissionError):
+        put_back(path)
     try:
         try:
             file = h5py.File(path, "r")
