@@ -35,7 +35,7 @@ class Checkpoint(Observer):
     def see(self, view):
         self._simulation.save(self.path, {"stage": self.stage, "memories": [observer.memory() for observer in self._observers]})
         if self.when.stopped:
-            raise KeyboardInterrupt
+            raise KeyboardInterrupt(f"edmd resume goes on from {self.path}")
 
     def stop(self, *_):
         """End the run at the next moment; can be the handler of a signal."""

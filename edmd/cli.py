@@ -24,8 +24,8 @@ def main(arguments=None):
     except (OSError, RuntimeError) as problem:
         print(f"edmd {options.name}: {problem}", file=sys.stderr)
         return FAILED
-    except KeyboardInterrupt:
-        print(f"edmd {options.name}: interrupted; frames already written are kept", file=sys.stderr)
+    except KeyboardInterrupt as interrupt:
+        print(f"edmd {options.name}: interrupted; {str(interrupt) or 'frames already written are kept'}", file=sys.stderr)
         return INTERRUPTED
 
 

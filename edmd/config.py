@@ -117,6 +117,17 @@ class Lattice:
 
 
 @dataclass(frozen=True)
+class Crystal:
+    """parallel bodies on an fcc lattice, surplus sites empty: what `edmd pack` melts"""
+
+    kind = "crystal"
+    n: Annotated[int, "number of bodies", _whole("a whole number of bodies", 1)] = 256
+    semi_axes: _Axes = (1.25, 1.0, 0.8)
+    start_fraction: Annotated[float | None, "share of the cell that the bodies fill (default: 0.3, or less for shapes that do not fit)",
+                              _fraction] = None
+
+
+@dataclass(frozen=True)
 class Random:
     """bodies at random, without overlap"""
 
@@ -183,7 +194,7 @@ class Config:
     """A whole run, checked."""
 
     seed: int
-    system: Lattice | Random | File
+    system: Lattice | Crystal | Random | File
     stages: tuple
     output: Output
 
@@ -193,7 +204,7 @@ class Config:
                 "output": _document(self.output)}
 
 
-SYSTEMS = {kind.kind: kind for kind in (Lattice, Random, File)}
+SYSTEMS = {kind.kind: kind for kind in (Lattice, Crystal, Random, File)}
 STAGES = {kind.kind: kind for kind in (Run, Compress)}
 _seed = _whole("a whole number from 0 on")
 SECTIONS = ("seed", "system", "stage", "output")

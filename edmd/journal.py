@@ -27,10 +27,15 @@ class JournaledFile:
     def __init__(self, path, mode):
         """mode: "x" for a new file, "w" to replace one, "r+" to go on with one (put back to where it was whole)."""
         self._path, self._at, self.failure = Path(path), 0, None
-        if mode == "r+":
-            put_back(path)
         self._journal = _locked(path)
-        self._file = os.open(path, os.O_RDWR | {"x": os.O_CREAT | os.O_EXCL, "w": os.O_CREAT | os.O_TRUNC, "r+": 0}[mode], 0o666)
+        try:
+            if mode == "r+":
+                _put_back(path, self._journal)
+            self._file = os.open(path, os.O_RDWR | {"x": os.O_CREAT | os.O_EXCL, "w": os.O_CREAT | os.O_TRUNC, "r+": 0}[mode], 0o666)
+        except OSError:
+            self._end_journal()
+            raise
+        os.ftruncate(self._journal, 0)
         self._whole = os.fstat(self._file).st_size
 
     def commit(self):
@@ -44,7 +49,10 @@ class JournaledFile:
     def close(self):
         _put_back(self._path, self._journal)
         os.close(self._file)
-        journal_path(self._path).unlink()
+        self._end_journal()
+
+    def _end_journal(self):
+        journal_path(self._path).unlink(missing_ok=True)
         os.close(self._journal)
 
     # what h5py asks of a file
@@ -94,11 +102,11 @@ class JournaledFile:
 
 def put_back(path):
     """Bring a file that no process writes any more to where it was last whole. BeingWritten when one does; a whole file is left alone."""
-    if journal_path(path).exists():
+    if journal_path(path).exists() and Path(path).exists():
         journal = _locked(path)
         try:
             _put_back(path, journal)
-            journal_path(path).unlink()
+            journal_path(path).unlink(missing_ok=True)
         finally:
             os.close(journal)
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from edmd.checkpoint import Checkpoint, read_checkpoint
 from edmd.config import UNITS, read_config
-from edmd.initial import lattice, random_system, thermalized
+from edmd.initial import crystal, lattice, random_system, thermalized
+from edmd.journal import put_back
 from edmd.observers import Every, Logarithmic, Milestones
 from edmd.outputs import check_output
 from edmd.progress import Log, Progress
@@ -35,10 +36,12 @@ def run(config, overrides=(), output=None, overwrite=False, observers=(), progre
     for beside in (checkpoint_path(path), log_path(path)):
         check_output(beside, overwrite=True)
     simulation = Simulation(start(config), config.seed)
+    _check_stages(simulation, config.stages)
     digest = _digest(simulation.system)
     if start_digest not in (None, digest):
         raise ValueError("the start of the run comes out different here (another platform, another version, or another start file): the "
                          "run cannot be repeated bit for bit; expected the surroundings that `edmd info` tells")
+    put_back(path)                  # or somebody writes it
     for beside in (checkpoint_path(path), log_path(path)):
         beside.unlink(missing_ok=True)
     trajectory = Trajectory(path, schedule(config.stages[0].frames or config.output.frames), config.document(), overwrite, digest)
@@ -74,6 +77,8 @@ def start(config):
     if system.kind == "file":
         made = read_system(system.file, system.frame)
         return made if system.temperature is None else thermalized(made, config.seed, system.temperature)
+    if system.kind == "crystal":
+        return crystal(system.n, system.semi_axes, system.start_fraction, config.seed)
     if system.kind == "lattice":
         made = lattice(system.lattice, system.semi_axes, system.packing_fraction, system.cells, config.seed, system.stretched,
                        system.masses, system.inertia)
@@ -110,7 +115,7 @@ def _do(simulation, config, trajectory, observers, progress, first=0, memories=N
                     one.stage = number
                 shown = [Progress(label=f"stage {number} ({stage.kind})")] if progress else []
                 try:
-                    _stage(simulation, stage, [*kept, *shown, *observers, checkpoint])
+                    do_stage(simulation, stage, [*kept, *shown, *observers, checkpoint])
                 except ValueError as problem:
                     raise RunFailed(f"stage.{number}: {problem}") from problem
                 finally:
@@ -118,6 +123,9 @@ def _do(simulation, config, trajectory, observers, progress, first=0, memories=N
                         bar.close()
                 if number + 1 < len(config.stages):
                     trajectory.when = schedule(config.stages[number + 1].frames or config.output.frames)
+    except OSError as problem:
+        raise RunFailed(f"{problem}; {trajectory.path} is kept as it was last whole, and edmd resume {trajectory.path} goes on from "
+                        "the last checkpoint") from problem
     finally:
         for one in log:
             one.close()
@@ -125,13 +133,33 @@ def _do(simulation, config, trajectory, observers, progress, first=0, memories=N
     return simulation
 
 
-def _stage(simulation, stage, observers):
+def do_stage(simulation, stage, observers=()):
+    """One stage of a config, or the rest of it when the simulation was saved in its course."""
     if simulation.course is not None:
         simulation.resume(observers)
     elif stage.kind == "run":
         simulation.run(stage.time, stage.collisions, stage.collisions_per_particle, observers)
     else:
         simulation.compress(stage.rate, stage.until_pressure, stage.until_packing_fraction, observers)
+
+
+def _check_stages(simulation, stages):
+    """ValueError for what can be known before the first event: stages that lead nowhere."""
+    fraction = simulation.packing_fraction
+    for number, stage in enumerate(stages):
+        name = f"stage.{number}"
+        if simulation.energy == 0 and (stage.kind == "compress" or stage.time is None):
+            raise ValueError(f"{name}: the bodies are at rest and never collide; expected system.temperature, or stages of kind \"run\" "
+                             "with a time")
+        if stage.kind == "run":
+            continue
+        if stage.until_pressure is not None and stage.rate <= 0:
+            raise ValueError(f"{name}.rate = {stage.rate}: expected a positive rate with until_pressure")
+        goal = stage.until_packing_fraction
+        if None not in (goal, fraction) and (goal - fraction) * stage.rate <= 0:
+            raise ValueError(f"{name}.until_packing_fraction = {goal}: the packing fraction is {fraction:.6g} by then and rate = "
+                             f"{stage.rate} leads away from it")
+        fraction = goal
 
 
 def _digest(system):

@@ -250,9 +250,13 @@ class Simulation:
                  "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "last_means": self.last_means,
                  "last": self._last, "course": self.course, "notes": notes, "format": FORMAT}
         partial = path.with_name(path.name + ".partial")
-        with open(partial, "wb") as file:
-            np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
-        os.replace(partial, path)
+        try:
+            with open(partial, "wb") as file:
+                np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
+            os.replace(partial, path)
+        except BaseException:
+            partial.unlink(missing_ok=True)
+            raise
 
     @classmethod
     def load(cls, path):

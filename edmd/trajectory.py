@@ -75,12 +75,14 @@ class Trajectory(Observer):
         self._rows, self._flushed, self._flush_seconds = [], time.monotonic(), 0.0
         self._disk = JournaledFile(self.path, "r+")
         self._file = h5py.File(self._disk, "r+")
-        for series, length in ((_frame_series(self._file), memory["frames"]), (self._file["edmd/log"].values(), memory["rows"])):
-            for dataset in series:
-                if len(dataset) < length:
-                    raise ValueError(f"path = {str(self.path)!r}: {dataset.name} has {len(dataset)} entries, and the checkpoint was made "
-                                     f"after {length}: expected the file that belongs to the checkpoint, whole")
-                dataset.resize(length, axis=0)
+        lengths = [*((series, memory["frames"]) for series in _frame_series(self._file)),
+                   *((series, memory["rows"]) for series in self._file["edmd/log"].values())]
+        for series, length in lengths:
+            if len(series) < length:
+                raise ValueError(f"path = {str(self.path)!r}: {series.name} has {len(series)} entries, and the checkpoint was made after "
+                                 f"{length}; expected the file that belongs to the checkpoint, whole")
+        for series, length in lengths:
+            series.resize(length, axis=0)
 
     def start(self, view):
         if self._closed:
@@ -194,16 +196,11 @@ def _grow(group, name, shape, dtype=np.float64, chunk=1):
 
 
 def _frame_series(file):
-    """Every dataset that has an entry a frame, each once."""
-    found = {}
-
-    def take(_, item):
-        if isinstance(item, h5py.Dataset) and item.maxshape[:1] == (None,):
-            found[h5py.h5o.get_info(item.id).addr] = item
-
-    file["particles/trajectory"].visititems(take)
-    file["observables"].visititems(take)
-    return found.values()
+    """Every dataset that has an entry a frame."""
+    found = []
+    for group in (file["particles/trajectory"], file["observables"]):
+        group.visititems(lambda _, item: found.append(item) if isinstance(item, h5py.Dataset) and item.maxshape[:1] == (None,) else None)
+    return found
 
 
 def _append(dataset, frame, value):
