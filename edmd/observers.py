@@ -142,6 +142,8 @@ class Milestones(Schedule):
         self._fraction, self._pressure = view.packing_fraction, None
 
     def due(self, view):
+        if view.begun.time > 0:             # between two upkeeps, where only others have a reason to look
+            return False
         pressure = view.means.reduced_pressure
         if self._pressure is None and pressure == pressure:
             self._pressure = pressure

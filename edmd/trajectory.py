@@ -50,17 +50,20 @@ class Trajectory(Observer):
     def close(self, complete=True):
         self._closed = True
         if self._file is not None:
-            file, self._file = self._file, None
             try:
                 if self._disk.failure is None:
-                    self._write_log(file)
-                    file["edmd"].attrs["complete"] = complete
+                    self._write_log()
+                    self._file["edmd"].attrs["complete"] = complete
             finally:
-                file.close()
-                try:
-                    self._disk.commit()
-                finally:
-                    self._disk.close()
+                self._end()
+
+    def _end(self):
+        file, self._file = self._file, None
+        file.close()
+        try:
+            self._disk.commit()
+        finally:
+            self._disk.close()
 
     def memory(self):
         """Its place in the file, which is flushed."""
@@ -79,8 +82,9 @@ class Trajectory(Observer):
                    *((series, memory["rows"]) for series in self._file["edmd/log"].values())]
         for series, length in lengths:
             if len(series) < length:
-                raise ValueError(f"path = {str(self.path)!r}: {series.name} has {len(series)} entries, and the checkpoint was made after "
-                                 f"{length}; expected the file that belongs to the checkpoint, whole")
+                problem = f"{series.name} has {len(series)} entries, and the checkpoint was made after {length}"
+                self._end()
+                raise ValueError(f"path = {str(self.path)!r}: {problem}; expected the file that belongs to the checkpoint, whole")
         for series, length in lengths:
             series.resize(length, axis=0)
 
@@ -167,15 +171,15 @@ class Trajectory(Observer):
 
     def _flush(self):
         began = time.monotonic()
-        self._write_log(self._file)
+        self._write_log()
         self._file.flush()
         self._disk.commit()
         self._flushed = time.monotonic()
         self._flush_seconds = self._flushed - began
 
-    def _write_log(self, file):
+    def _write_log(self):
         if self._rows:
-            log = file["edmd/log"]
+            log = self._file["edmd/log"]
             first, more = len(log["time"]), len(self._rows)
             for name, column in zip(LOG, np.array(self._rows, dtype=float).T):
                 log[name].resize(first + more, axis=0)
