@@ -144,7 +144,7 @@ def test_resumed_in_the_course_of_a_run(shape, course, tmp_path):
         saved.append(tmp_path / str(len(saved)))
         simulation.save(saved[-1], {"moment": len(saved)})
 
-    COURSES[course](simulation, [edmd.Observer(edmd.Every(collisions=101), save)])
+    COURSES[course](simulation, [edmd.Observer(edmd.Every(collisions=51), save)])
     assert len(saved) >= 2
     for number, path in enumerate(saved, 1):
         loaded = edmd.Simulation.load(path)
