@@ -1,7 +1,6 @@
 """The command line. Everything heavy is imported by the command that needs it: `edmd --help` answers at once."""
 
 import argparse
-import os
 import sys
 import time
 
@@ -14,8 +13,6 @@ BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 def main(arguments=None):
     """Run a command; -> its exit status: 0 done, 1 a check failed, 2 bad input, 130 interrupted."""
     options = _parser().parse_args(arguments)
-    if options.command not in (_pack, _run, _resume):
-        os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")         # a file can be looked at while it is being written
     try:
         return options.command(options)
     except ValueError as problem:

@@ -97,7 +97,7 @@ _Masses = Annotated[float, "mass of a body", _positive]
 _Inertia = Annotated[str, 'moments of inertia: "solid" (uniform density) or "sphere" (of the sphere of equal volume)',
                      _one_of("solid", "sphere")]
 _Temperature = Annotated[float, "kT of the velocities, which the seed draws", _positive]
-_Frames = Annotated[dict | None, "frames of this stage, instead of those of [output]", _frames]
+_Frames = Annotated[dict | None, "frames of this stage, as in [output], which holds where none are given", _frames]
 
 
 @dataclass(frozen=True)
@@ -182,8 +182,8 @@ class Output:
     """what is written, and how often"""
 
     file: Annotated[str, "H5MD file of the run", _text("the name of a file")] = "run.h5md"
-    frames: Annotated[dict, "a frame every so much time (or collisions, or collisions_per_particle); {time = 0.01, per_decade = 10}: "
-                      "logarithmic; {packing_fraction = 0.01, pressure_factor = 2.0}: as these have risen", _frames
+    frames: Annotated[dict, "a frame every so much; or {time = 0.01, per_decade = 10}, {packing_fraction = 0.01, pressure_factor = 2.0}",
+                      _frames
                       ] = field(default_factory=lambda: {"collisions_per_particle": 10.0})
     checkpoint: Annotated[float, "seconds of wall time between two checkpoints", _positive] = 60.0
     log: Annotated[bool, "write NAME.log.jsonl beside the file, one JSON line at most every second", _switch] = True
@@ -229,7 +229,7 @@ def read_config(source, overrides=()):
 def config_text(document=DEFAULT):
     """A config as TOML that can be run, with every key, its value and what it means; what is off, and other kinds, as comments."""
     config = read_config(document)
-    parts = [f"seed = {config.seed}    # of everything that is drawn at random"]
+    parts = [f"{f'seed = {config.seed}':<41} # of everything that is drawn at random"]
     parts.append("\n".join(["[system]", *_kind_lines(config.system)]))
     parts += ["\n".join(["# " + line for line in ["or:  [system]", *_kind_lines(kind())]])
               for name, kind in SYSTEMS.items() if name != config.system.kind]
@@ -323,13 +323,15 @@ def _document(section):
 
 
 def _kind_lines(section):
-    return [f"kind = {_toml(section.kind)}    # {type(section).__doc__}", *_lines(section)]
+    return _lines(section, {f"kind = {_toml(section.kind)}": type(section).__doc__})
 
 
-def _lines(section):
+def _lines(section, first=()):
+    lines = dict(first)
     for key, hint in _options(type(section)).items():
-        value, about = getattr(section, key), hint.__metadata__[0]
-        yield f"{key} = {_toml(value)}    # {about}" if value is not None else f"# {key} = ...    # {about}"
+        value = getattr(section, key)
+        lines[f"{key} = {_toml(value)}" if value is not None else f"# {key} = ..."] = hint.__metadata__[0]
+    return [f"{line:<41} # {about}" for line, about in lines.items()]
 
 
 def _toml(value):

@@ -4,15 +4,11 @@ HDF5 flushes in many writes, and between the first and the last of them a file i
 the file is. So what is overwritten is first kept in a journal beside the file, and whoever opens the file next puts it back.
 """
 
+import fcntl
 import os
 import struct
 import zlib
 from pathlib import Path
-
-try:
-    import fcntl
-except ImportError:                 # a system without them: nothing then keeps two processes from writing one file
-    fcntl = None
 
 RECORD = struct.Struct("<QQQI")     # where, how much, length of the file when it was whole, checksum of what follows
 
@@ -118,8 +114,7 @@ def journal_path(path):
 def _locked(path):
     journal = os.open(journal_path(path), os.O_RDWR | os.O_CREAT, 0o666)
     try:
-        if fcntl is not None:
-            fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(journal)
         raise BeingWritten(f"path = {str(path)!r}: is being written by another process") from None

@@ -36,9 +36,9 @@ class Pace:
     def _gone(self, view):
         """Near jamming every factor of pressure costs the same number of collisions: the logarithm of the pressure is the way gone."""
         course, pressure = view.course, view.means.reduced_pressure
-        if self._until_pressure is None and course is None:
+        if self._until_pressure is None and course is None:             # the last upkeep of a compression
             return 1.0
-        if (self._until_pressure is None and course.until_packing_fraction is None and not course.grows) or isfinite(course.until_time):
+        if self._until_pressure is None and (isfinite(course.until_time) or isfinite(course.until_collisions)):
             return max((view.time - course.from_time) / (course.until_time - course.from_time),
                        (view.collisions - course.from_collisions) / (course.until_collisions - course.from_collisions))
         until = max(self._until_pressure or course.until_pressure, 2 * FLUID)

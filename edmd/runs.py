@@ -93,11 +93,13 @@ def schedule(frames):
 
 
 def checkpoint_path(path):
-    return Path(path).with_suffix(".checkpoint.npz")
+    """The checkpoint beside a file."""
+    return Path(str(path).removesuffix(".h5md") + ".checkpoint.npz")
 
 
 def log_path(path):
-    return Path(path).with_suffix(".log.jsonl")
+    """The log for machines beside a file."""
+    return Path(str(path).removesuffix(".h5md") + ".log.jsonl")
 
 
 def _do(simulation, config, trajectory, observers, progress, first=0, memories=None):

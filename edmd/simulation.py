@@ -50,6 +50,7 @@ class Simulation:
 
     ValueError when bodies overlap or the cell is too small. seed is kept with the run for its records; the dynamics draws no numbers.
     One system, one result: every run repeats bit for bit, whatever looks at it and however it is cut into blocks.
+    course: where the run or compression goes that is under way, or in whose course the state was saved; else None. notes: those of `save`.
     """
 
     def __init__(self, system, seed=0):

@@ -19,7 +19,7 @@ import pytest
 import edmd
 from edmd.cli import main
 from edmd.config import config_text
-from edmd.runs import RunFailed
+from edmd.runs import RunFailed, checkpoint_path, log_path
 from edmd.trajectory import read_system, verify_file
 
 ROOT = Path(__file__).parents[2]
@@ -85,6 +85,13 @@ def test_a_run_is_its_stages_by_hand(whole):
 
 def test_what_lies_beside_it_at_the_end(whole):
     assert {path.name for path in whole[0].parent.iterdir()} == {"whole.h5md", "whole.log.jsonl"}
+
+
+def test_names_of_what_lies_beside_it():
+    """Two files in a folder never share a checkpoint, however they are called."""
+    for name in ("a.h5md", "a", "phi0.25", "phi0.30", "a.h5"):
+        assert checkpoint_path(f"x/{name}") == Path(f"x/{name.removesuffix('.h5md')}.checkpoint.npz")
+        assert log_path(f"x/{name}") == Path(f"x/{name.removesuffix('.h5md')}.log.jsonl")
 
 
 def test_frames_of_every_stage_come_when_the_stage_says(whole):
