@@ -115,6 +115,7 @@ class Log(Observer):
     def restore(self, memory):
         super().restore(memory)
         self._file.truncate(min(memory["bytes"], os.fstat(self._file.fileno()).st_size))
+        self._file.seek(0, os.SEEK_END)
 
     def close(self):
         self._file.close()
