@@ -1,7 +1,6 @@
 """The command line. Everything heavy is imported by the command that needs it: `edmd --help` answers at once."""
 
 import argparse
-import os
 import sys
 import time
 
@@ -14,8 +13,6 @@ BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 def main(arguments=None):
     """Run a command; -> its exit status: 0 done, 1 a check failed, 2 bad input, 130 interrupted."""
     options = _parser().parse_args(arguments)
-    if options.command is not _pack:
-        os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")         # a file can be looked at while it is being written
     try:
         return options.command(options)
     except ValueError as problem:
@@ -24,8 +21,9 @@ def main(arguments=None):
     except (OSError, RuntimeError) as problem:
         print(f"edmd {options.name}: {problem}", file=sys.stderr)
         return FAILED
-    except KeyboardInterrupt:
-        kept = "frames already written are kept" if options.command is _pack else "nothing was written"
+    except KeyboardInterrupt as interrupt:
+        writes_frames = options.name in ("pack", "run", "resume")
+        kept = str(interrupt) or ("frames already written are kept" if writes_frames else "nothing was written")
         print(f"edmd {options.name}: interrupted; {kept}", file=sys.stderr)
         return INTERRUPTED
 
@@ -62,6 +60,22 @@ def _parser():
     pack.add_argument("-o", "--output", default="packing.h5md", help="H5MD file to write")
     pack.add_argument("--overwrite", action="store_true", help="replace the output when it exists")
     pack.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+    run = command("run", _run, "do what a config says: a start, one stage after another, files")
+    run.add_argument("config", nargs="?", default=None, help="TOML file (docs/runs.md)")
+    run.add_argument("--from", dest="source", metavar="RUN", default=None, help="instead of a config: a file that `edmd run` wrote, to be "
+                     "repeated bit for bit")
+    run.add_argument("--set", dest="overrides", metavar="KEY=VALUE", action="append", default=[], help="change a value of the config, such "
+                     "as system.n=500 or stage.0.rate=1e-3 (stages count from 0); may be given several times")
+    run.add_argument("--seed", type=int, default=None, help="short for --set seed=SEED")
+    run.add_argument("--print-config", action="store_true", help="print the config with every key, its value and meaning; do nothing")
+    run.add_argument("-o", "--output", default=None, help="H5MD file to write, instead of that of the config")
+    run.add_argument("--overwrite", action="store_true", help="replace the output when it exists")
+    run.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+    resume = command("resume", _resume, "go on with an interrupted run from its last checkpoint, as if nothing had happened")
+    resume.add_argument("file")
+    resume.add_argument("--quiet", action="store_true", help="no progress, no summary")
 
     info = command("info", _info, "tell what is in a file")
     info.add_argument("file")
@@ -109,6 +123,45 @@ def _pack(options):
               "contacts a body": f"{packing.mean_contact_number:.3f}", "rattlers": int(packing.rattlers.sum()),
               "nematic order": f"{packing.nematic_order:.4f}", "collisions": packing.collisions,
               "collisions / s": f"{packing.collisions / packing.seconds:,.0f} (CPU time, compilation included)", "file": options.output})
+    return 0
+
+
+def _run(options):
+    from edmd.config import DEFAULT, config_text, read_config
+    from edmd.runs import rebuilt, run
+
+    digest, overrides = None, [*options.overrides, *([] if options.seed is None else [f"seed={options.seed}"])]
+    if options.config and options.source:
+        raise ValueError("a config and --from: expected one of them")
+    if options.source:
+        config, digest = rebuilt(options.source)
+        if overrides:
+            digest = None
+        if not options.output and not options.print_config:
+            raise ValueError("--from without --output: expected the name of the file to write")
+    elif options.config or options.print_config:
+        config = options.config or DEFAULT
+    else:
+        raise ValueError("no config: expected a TOML file (edmd run --print-config > run.toml makes one) or --from RUN")
+    config = read_config(config, overrides)
+    if options.print_config:
+        print(config_text(config), end="")
+        return 0
+    output = options.output or config.output.file
+    return _told(options, output, run(config, (), output, options.overwrite, progress=not options.quiet, start_digest=digest))
+
+
+def _resume(options):
+    from edmd.runs import resume
+
+    return _told(options, options.file, resume(options.file, progress=not options.quiet))
+
+
+def _told(options, path, simulation):
+    if not options.quiet:
+        _say({"packing fraction": f"{simulation.packing_fraction:.6f}", "reduced pressure": f"{simulation.compressibility_factor:.6g}",
+              "temperature": f"{simulation.temperature:.6g}", "nematic order": f"{simulation.nematic_order:.4f}",
+              "time": f"{simulation.time:.6g}", "collisions": simulation.collisions, "file": path})
     return 0
 
 

@@ -1,7 +1,7 @@
 """Where a run starts: crystals that ASE builds, random systems, thermal velocities."""
 
 import operator
-from math import pi, sqrt
+from math import ceil, pi, sqrt
 
 import numpy as np
 
@@ -10,7 +10,13 @@ from ccd.contacts import contact_functions
 from ccd.quaternions import to_lab
 from edmd.inertia import temperature_of
 from edmd.system import System
+from edmd.tolerances import MARGIN
 
+START_FRACTION = 0.3    # packing fraction of a crystal that is to melt, unless its lattice holds less
+ROOMY = 0.85            # part of what the lattice holds at most, where that is less
+BODIES_PER_CELL = 4     # fcc
+LEAST_BODIES = 8
+DENSEST = 0.75          # packing fraction for which the cell must have room around every body
 LATTICES = ("fcc", "bcc", "sc", "hcp")
 SPARSE = 0.02           # packing fraction at which random bodies are first laid down
 RANDOM_RATE = 0.15      # speed at which surfaces grow from there to the wanted packing fraction, in thermal speeds
@@ -46,6 +52,34 @@ def lattice(name, semi_axes, packing_fraction, cells=(5, 5, 5), seed=0, stretche
         raise ValueError(f"packing_fraction = {packing_fraction}: the {name} lattice of these bodies holds at most {largest:.6f}"
                          + ("" if stretched else " (stretched=True may hold more)"))
     return thermalized(from_ase(unit.repeat(counts), semi_axes, masses=masses, inertia=inertia), seed)
+
+
+def crystal(n, semi_axes, start_fraction=None, seed=0):
+    """n parallel bodies on an fcc lattice as near to a cube as their number allows, surplus sites empty, with thermal velocities at kT = 1.
+
+    start_fraction: packing fraction, by default 0.3, or less for shapes that do not fit. The cell has room for a dense packing.
+    """
+    semi_axes = checks.semi_axes("semi_axes", semi_axes)
+    if not isinstance(n, int | np.integer) or n < LEAST_BODIES:
+        raise ValueError(f"n = {n!r}: expected a whole number of bodies, at least {LEAST_BODIES}")
+    edge = ceil(np.cbrt(n / BODIES_PER_CELL) - 1e-9)
+    cells = next(cells for cells in ((edge - 1, edge - 1, edge), (edge - 1, edge, edge), (edge, edge, edge))
+                 if BODIES_PER_CELL * np.prod(cells) >= n)
+    sites = BODIES_PER_CELL * int(np.prod(cells))
+    if start_fraction is not None:
+        most = _most(semi_axes) * n / sites
+        start_fraction = checks.real_number("start_fraction", start_fraction, f"a number below {most:.4f} for this shape on an fcc "
+                                            "lattice", above=0, below=most)
+    else:
+        start_fraction = min(START_FRACTION, ROOMY * _most(semi_axes) * n / sites)
+    full = lattice("fcc", semi_axes, start_fraction * sites / n, cells, seed)
+    stay = np.sort(np.random.default_rng(seed).permutation(sites)[:n])
+    system = System(full.positions[stay], full.orientations[stay], semi_axes, full.box)
+    longest = (semi_axes.max() + MARGIN * np.cbrt(semi_axes.prod())) * np.cbrt(DENSEST / system.packing_fraction)
+    if system.box.diagonal().min() < 2 * longest:
+        raise ValueError(f"n = {n}: too few bodies of this shape, each would come near its own periodic image when packed; expected at "
+                         f"least {ceil(n * (2 * longest / system.box.diagonal().min())**3)}")
+    return thermalized(system, seed)
 
 
 def from_ase(atoms, semi_axes=None, orientations=None, masses=None, inertia=None, species=None):
@@ -171,3 +205,12 @@ def _laid_down(semi_axes, edge, rng):
             return positions, orientations
         positions[again], orientations[again] = rng.uniform(0, edge, size=(len(again), 3)), rng.normal(size=(len(again), 4))
     raise ValueError(f"no room for {n} bodies of {semi_axes.max():.6g} in a cell of edge {edge:.6g}: use more bodies")
+
+
+def _most(semi_axes):
+    """The packing fraction at which parallel bodies on a cubic fcc lattice touch."""
+    sparse = lattice("fcc", semi_axes, 1e-6, (1, 1, 1))
+    a = sparse.box[0, 0]
+    neighbours = a / 2 * np.array([[1, 1, 0], [1, 0, 1], [0, 1, 1], [2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 2], [1, 2, 1], [2, 1, 1]])
+    touching = 0.5 * np.sqrt(((neighbours / semi_axes)**2).sum(axis=1)).min()
+    return sparse.packing_fraction * touching**3

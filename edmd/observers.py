@@ -10,12 +10,13 @@ class View:
     """A simulation at a moment: n, seed, time, collisions, packing_fraction, energy; `system` (a synchronised copy) with its `images`.
 
     interval: the sums of the upkeep interval just done (`averages.Interval`, empty at the start and the end); means: its averages;
-    begun: the sums of the next interval so far.
+    begun: the sums of the next interval so far; course: where the run goes (`simulation.Course`).
     """
 
     def __init__(self, simulation, interval):
         self.n, self.time, self.collisions, self.seed = simulation.n, simulation.time, simulation.collisions, simulation.seed
         self.packing_fraction, self.interval, self.begun = simulation.packing_fraction, interval, simulation.begun
+        self.course = simulation.course
         self._simulation = simulation
 
     @cached_property
@@ -47,7 +48,31 @@ def reached(now, goal):
     return goal < inf and now >= goal - 4 * ulp(goal)
 
 
-class Every:
+class Schedule:
+    """When an observer is to see: `start`, then `due` at every moment that `next_time` or `next_collisions` gave."""
+
+    def start(self, view):
+        """Called when a run begins."""
+
+    def next_time(self):
+        return inf
+
+    def next_collisions(self):
+        return inf
+
+    def due(self, view):
+        """Whether the moment has come; then the next one is set."""
+        return False
+
+    def memory(self):
+        """Where it is, as JSON can hold it; `restore` brings another one of the same kind there."""
+        return vars(self).copy()
+
+    def restore(self, memory):
+        vars(self).update(memory)
+
+
+class Every(Schedule):
     """When: at every multiple of a time, of a number of collisions, or of collisions per particle (2 collisions / n, rounded up to whole
     ones), counted from the start of the run. Give one of them."""
 
@@ -55,14 +80,14 @@ class Every:
         given = {"time": time, "collisions": collisions, "collisions_per_particle": collisions_per_particle}
         chosen = {name: value for name, value in given.items() if value is not None}
         if len(chosen) != 1:
-            raise ValueError(f"Every({', '.join(chosen) or 'nothing'}): expected exactly one of time, collisions, collisions_per_particle")
+            raise ValueError(f"{type(self).__name__}({', '.join(chosen) or 'nothing'}): expected exactly one of {', '.join(given)}")
         (self.unit, value), = chosen.items()
         self.interval = checks.real_number(self.unit, value, "a positive number", above=0)
 
     def start(self, view):
         self._start, self._times = self._now(view), 0
         if self._start + self.interval == self._start:
-            raise ValueError(f"Every({self.unit}={self.interval}): too short to be told from no time at all")
+            raise ValueError(f"{type(self).__name__}({self.unit}={self.interval}): too short to be told from no time at all")
         self._set_next(view)
 
     def next_time(self):
@@ -72,7 +97,6 @@ class Every:
         return self._next if self.unit != "time" else inf
 
     def due(self, view):
-        """Whether the moment has come; then the next one is set."""
         if not reached(self._now(view), self._next):
             return False
         while reached(self._now(view), self._next):
@@ -82,15 +106,31 @@ class Every:
     def _set_next(self, view):
         self._times += 1
         if self.unit == "time":
-            self._next = self._start + self._times * self.interval
+            self._next = self._start + self._way()
         else:
-            self._next = self._start + ceil(self._times * self.interval * (view.n / 2 if self.unit == "collisions_per_particle" else 1))
+            self._next = self._start + ceil(self._way() * (view.n / 2 if self.unit == "collisions_per_particle" else 1))
+
+    def _way(self):
+        """From the start to the next moment."""
+        return self._times * self.interval
 
     def _now(self, view):
         return view.time if self.unit == "time" else view.collisions
 
 
-class Milestones:
+class Logarithmic(Every):
+    """When: after a first time (or number of collisions, or of collisions per particle), and then `per_decade` times for every factor of
+    ten, at first * 10**(k / per_decade), counted from the start of the run. Whole collisions that come twice count once."""
+
+    def __init__(self, time=None, collisions=None, collisions_per_particle=None, per_decade=10):
+        super().__init__(time, collisions, collisions_per_particle)
+        self.per_decade = checks.real_number("per_decade", per_decade, "a positive number", above=0)
+
+    def _way(self):
+        return self.interval * 10**((self._times - 1) / self.per_decade)
+
+
+class Milestones(Schedule):
     """When: as the packing fraction has risen by a step, or the reduced pressure by a factor. Looked at after every upkeep interval."""
 
     def __init__(self, packing_fraction=0.01, pressure_factor=2.0):
@@ -101,12 +141,9 @@ class Milestones:
     def start(self, view):
         self._fraction, self._pressure = view.packing_fraction, None
 
-    def next_time(self):
-        return inf
-
-    next_collisions = next_time
-
     def due(self, view):
+        if view.begun.time > 0:             # between two upkeeps, where only others have a reason to look
+            return False
         pressure = view.means.reduced_pressure
         if self._pressure is None and pressure == pressure:
             self._pressure = pressure
@@ -118,11 +155,17 @@ class Milestones:
 
 
 class Observer:
-    """Something that sees a run: subclass with `see(view)`, or give a function of the view. `when`: Every(...) or Milestones(...)."""
+    """Something that sees a run: subclass with `see(view)`, or give a function of the view. `when`: a schedule, Every(...),
+    Logarithmic(...) or Milestones(...).
+
+    An observer that can go on after a restart says in `memory` what it must know then, and takes it back in `restore`.
+    """
+
+    restored = False
 
     def __init__(self, when, see=None):
-        if not hasattr(when, "due"):
-            raise ValueError(f"when = {when!r}: expected edmd.Every(...) or edmd.Milestones(...)")
+        if not isinstance(when, Schedule):
+            raise ValueError(f"when = {when!r}: expected edmd.Every(...), edmd.Logarithmic(...) or edmd.Milestones(...)")
         self.when = when
         if see is not None:
             if not callable(see):
@@ -140,3 +183,12 @@ class Observer:
 
     def finish(self, view):
         """Called after the last event."""
+
+    def memory(self):
+        """What it must know to go on, as JSON can hold it."""
+        return {"when": self.when.memory()}
+
+    def restore(self, memory):
+        """Be as the one whose memory this is; `Simulation.resume` then does not start it again."""
+        self.when.restore(memory["when"])
+        self.restored = True

@@ -3,6 +3,7 @@
 import json
 import os
 from math import inf, isinf, sqrt
+from typing import NamedTuple
 from zipfile import BadZipFile
 
 import numpy as np
@@ -22,6 +23,7 @@ from edmd.state import EPOCH, GROWTH, NOW, SIZE
 from edmd.system import System
 from edmd.tolerances import OVERLAP
 
+FORMAT = 2                  # of what `save` writes
 FASTEST = 2.0               # speed of a growing surface, in thermal speeds, beyond which compression has no physics
 GIVE_UP = 1e10              # reduced pressure at which a compression to a packing fraction ends in vain
 JAMMED = 1e12               # reduced pressure beyond which float64 cannot resolve the gaps
@@ -31,11 +33,24 @@ class Stalled(RuntimeError):
     """Events go on but time stands still."""
 
 
+class Course(NamedTuple):
+    """Where a run or a compression came from and where it goes: what `Simulation.resume` needs to go on with it."""
+
+    from_time: float
+    from_collisions: int
+    until_time: float = inf
+    until_collisions: float = inf
+    until_pressure: float = inf
+    until_packing_fraction: float | None = None
+    grows: bool = False
+
+
 class Simulation:
     """Event-driven dynamics of a System: smooth, elastic hard ellipsoids in free flight between collisions.
 
     ValueError when bodies overlap or the cell is too small. seed is kept with the run for its records; the dynamics draws no numbers.
     One system, one result: every run repeats bit for bit, whatever looks at it and however it is cut into blocks.
+    course: where the run or compression goes that is under way, or in whose course the state was saved; else None. notes: those of `save`.
     """
 
     def __init__(self, system, seed=0):
@@ -52,7 +67,8 @@ class Simulation:
         self._world = building.build_world(system.subset(self._order))
         self._spin = shape_turning(system)[2]
         self._grown_inertia = 1.0
-        self._done = self._before = Interval()
+        self._done = self._before = self._last = Interval()
+        self.course, self.notes = None, None
         self.last_means = self.means_over(Interval())
 
     # what is now
@@ -171,9 +187,7 @@ class Simulation:
                 raise ValueError(f"{chosen[0]} = {length}: less than one collision")
             until_collisions = self.collisions + wanted
         self._begin(observers)
-        self._follow(until_time, until_collisions, observers, lambda: epoch.start_epoch(self._world))
-        self._finish(observers)
-        return self
+        return self._follow(Course(self.time, self.collisions, until_time, until_collisions), observers)
 
     def compress(self, rate, until_pressure=None, until_packing_fraction=None, observers=()):
         """Let all semi-axes grow as 1 + rate t (Lubachevsky and Stillinger) at kT = 1, to a reduced pressure P V / (n kT) or a packing
@@ -196,29 +210,29 @@ class Simulation:
             if rate < 0:
                 raise ValueError(f"rate = {rate}: expected a positive rate with until_pressure")
         else:
-            goal = checks.real_number("until_packing_fraction", until_packing_fraction, "a number between 0 and 1", above=0, below=1)
-            if (goal - self.packing_fraction) * rate <= 0:
-                raise ValueError(f"until_packing_fraction = {goal}: the packing fraction is {self.packing_fraction:.6g} and rate = {rate} "
-                                 "leads away from it")
-            until_time = self.time + (np.cbrt(goal / self.packing_fraction) - 1) / rate
+            until_packing_fraction = checks.real_number("until_packing_fraction", until_packing_fraction, "a number between 0 and 1",
+                                                        above=0, below=1)
+            if (until_packing_fraction - self.packing_fraction) * rate <= 0:
+                raise ValueError(f"until_packing_fraction = {until_packing_fraction}: the packing fraction is {self.packing_fraction:.6g} "
+                                 f"and rate = {rate} leads away from it")
+            until_time = self.time + (np.cbrt(until_packing_fraction / self.packing_fraction) - 1) / rate
         self._to_unit_temperature()
         self._begin(observers)
         self._act(epoch.set_growth, rate * self.size)
-        try:
-            self._follow(until_time, inf, observers, self._to_unit_temperature, until_pressure or GIVE_UP)
-            jammed = not reached(self.time, until_time)
-            if until_packing_fraction is not None and not jammed:
-                self._meet_packing_fraction(goal)
-        finally:
-            self._act(epoch.set_growth, 0.0)
-            interval = self._new_epoch(self._to_unit_temperature)
-        if interval.collisions:
-            for observer in observers:
-                observer.upkeep(View(self, interval))
-        self._finish(observers)
-        if until_packing_fraction is not None and jammed:
-            raise ValueError(f"until_packing_fraction = {goal}: the bodies jam at {self.packing_fraction:.6f}")
-        return self
+        return self._follow(Course(self.time, self.collisions, until_time, until_pressure=until_pressure or GIVE_UP,
+                                   until_packing_fraction=until_packing_fraction, grows=True), observers)
+
+    def resume(self, observers=()):
+        """Go on with the run() or compress() during which `save` wrote this state, to where that was to end: bit for bit as if it had never
+        been interrupted. Observers are started, but for those that `Observer.restore` brought back to where they were."""
+        if self.course is None:
+            raise ValueError("nothing to resume: the state was not saved in the course of a run or a compression")
+        view = View(self, Interval())
+        for observer in observers:
+            if not observer.restored:
+                observer.when.start(view)
+                observer.start(view)
+        return self._follow(self.course, observers)
 
     def verify(self):
         """Check every invariant of the run: AssertionError says what is wrong."""
@@ -226,8 +240,8 @@ class Simulation:
 
         verify_world(self._world, self.system)
 
-    def save(self, path):
-        """Write the exact state to a file; `Simulation.load` goes on from it bit for bit."""
+    def save(self, path, notes=None):
+        """Write the exact state to a file, with notes that JSON can hold; `Simulation.load` goes on from it bit for bit."""
         path = check_output(path, overwrite=True)
         arrays = {f"world.{name}": array for name, array in building.flattened(self._world)}
         like = self._system
@@ -235,11 +249,15 @@ class Simulation:
                    ("positions", "orientations", "semi_axes", "box", "velocities", "angular_velocities", "masses", "species", "moments")}
         facts = {"inertia": like.inertia if isinstance(like.inertia, str) else "moments", "seed": self.seed,
                  "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "last_means": self.last_means,
-                 "format": 1}
+                 "last": self._last, "course": self.course, "notes": notes, "format": FORMAT}
         partial = path.with_name(path.name + ".partial")
-        with open(partial, "wb") as file:
-            np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
-        os.replace(partial, path)
+        try:
+            with open(partial, "wb") as file:
+                np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
+            os.replace(partial, path)
+        except BaseException:
+            partial.unlink(missing_ok=True)
+            raise
 
     @classmethod
     def load(cls, path):
@@ -248,6 +266,8 @@ class Simulation:
             with np.load(path, allow_pickle=False) as saved:
                 arrays = {name: saved[name] for name in saved.files}
             facts = json.loads(str(arrays.pop("facts")))
+            if facts["format"] != FORMAT:
+                raise ValueError(f"its format is {facts['format']}, this version of edmd reads {FORMAT}")
             system = {name.removeprefix("system."): array for name, array in arrays.items() if name.startswith("system.")}
             moments = system.pop("moments")
             simulation = cls.__new__(cls)
@@ -257,7 +277,9 @@ class Simulation:
             simulation._spin, simulation._order, simulation.seed = arrays["spin"], arrays["order"], facts["seed"]
             simulation._grown_inertia = facts["grown_inertia"]
             simulation._done, simulation._before = Interval(*facts["done"]), Interval(*facts["before"])
-            simulation.last_means = Means(*facts["last_means"])
+            simulation.last_means, simulation._last = Means(*facts["last_means"]), Interval(*facts["last"])
+            simulation.notes = facts["notes"]
+            simulation.course = None if facts["course"] is None else Course(*facts["course"])
         except (OSError, EOFError, BadZipFile, ValueError, KeyError, TypeError) as problem:
             raise ValueError(f"path = {str(path)!r}: not a state written by Simulation.save ({problem})") from None
         return simulation
@@ -265,33 +287,51 @@ class Simulation:
     # blocks of events
 
     def _begin(self, observers):
-        self._done, self._before = Interval(), self.begun
+        if self.course is not None and self.course.grows:
+            raise ValueError("the state was saved in the course of a compression; expected resume(), which goes on with it")
+        self._done, self._before, self._last = Interval(), self.begun, Interval()
         view = View(self, Interval())
         for observer in observers:
             observer.when.start(view)
             observer.start(view)
 
-    def _follow(self, until_time, until_collisions, observers, upkeep, until_pressure=inf):
-        """Events until a time, a number of collisions or a reduced pressure, in blocks that end where an observer is due."""
-        interval = Interval()
-        while True:
-            time = min([until_time, *(observer.when.next_time() for observer in observers)])
-            collisions = min([until_collisions, *(observer.when.next_collisions() for observer in observers)])
-            if self._block(time, collisions) == Ended.EPOCH:
-                interval = self._new_epoch(upkeep)
-                self.last_means = self.means_over(interval)
-                for observer in observers:
-                    observer.upkeep(View(self, interval))
+    def _follow(self, course, observers):
+        """A course to its end, with all that begins and ends it but the start of the observers."""
+        self.course = course
+        try:
+            self._go(course, observers)
+            jammed = course.until_packing_fraction is not None and not reached(self.time, course.until_time)
+            if course.until_packing_fraction is not None and not jammed:
+                self._meet_packing_fraction(course.until_packing_fraction)
+        finally:
+            self.course = None
+            if course.grows:
+                self._act(epoch.set_growth, 0.0)
+                interval = self._new_epoch(self._to_unit_temperature)
+        if course.grows and interval.collisions:
             for observer in observers:
-                if observer.when.due(View(self, interval)):
-                    observer.see(View(self, interval))
-            if (reached(self.time, until_time) or self.collisions >= until_collisions
-                    or self.means_over(interval).reduced_pressure >= until_pressure):
-                return
-
-    def _finish(self, observers):
+                observer.upkeep(View(self, interval))
         for observer in observers:
             observer.finish(View(self, Interval()))
+        if jammed:
+            raise ValueError(f"until_packing_fraction = {course.until_packing_fraction}: the bodies jam at {self.packing_fraction:.6f}")
+        return self
+
+    def _go(self, course, observers):
+        """Events until a time, a number of collisions or a reduced pressure, in blocks that end where an observer is due."""
+        upkeep = self._to_unit_temperature if course.grows else lambda: epoch.start_epoch(self._world)
+        while not (reached(self.time, course.until_time) or self.collisions >= course.until_collisions
+                   or self.means_over(self._last).reduced_pressure >= course.until_pressure):
+            time = min([course.until_time, *(observer.when.next_time() for observer in observers)])
+            collisions = min([course.until_collisions, *(observer.when.next_collisions() for observer in observers)])
+            if self._block(time, collisions) == Ended.EPOCH:
+                self._last = self._new_epoch(upkeep)
+                self.last_means = self.means_over(self._last)
+                for observer in observers:
+                    observer.upkeep(View(self, self._last))
+            for observer in observers:
+                if observer.when.due(View(self, self._last)):
+                    observer.see(View(self, self._last))
 
     def _new_epoch(self, upkeep):
         """The upkeep that begins a new epoch; -> the sums of the one that ends."""

@@ -1,6 +1,7 @@
 """Trajectories in H5MD (docs/file_format.md): an observer that writes them, and the way back to a System."""
 
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ import numpy as np
 import edmd
 from edmd.averages import Interval
 from edmd.inertia import temperature_of
+from edmd.journal import BeingWritten, JournaledFile, put_back
 from edmd.observers import Every, Observer
 from edmd.outputs import check_output
 from edmd.provenance import provenance
@@ -18,6 +20,7 @@ from edmd.tolerances import OVERLAP
 
 FORMAT = 1
 FLUSH_SECONDS = 1.0
+SELDOM = 20             # frames are flushed at once unless flushing would take more than one part in so many of the time
 LOG_CHUNK = 1024
 UNITS = {"position": "Angstrom", "velocity": "Angstrom ps-1"}      # MDAnalysis' base units: the numbers stay as they are
 VECTORS = ("velocity", "angular_velocity", "semi_axes", "moments")
@@ -28,15 +31,15 @@ LOG = ("time", "collisions", "packing_fraction", "reduced_pressure", "pressure",
 class Trajectory(Observer):
     """Writes what it sees to an H5MD file; a context manager, for one or several runs of one simulation.
 
-    when: Every(...) or Milestones(...). The first and the last state of every run are frames too, each state once. Every upkeep interval
-    becomes a row of the log. Flushed at least every second while events go on. parameters: recorded in the file. An existing file is
-    refused unless overwrite is true.
+    when: Every(...), Logarithmic(...) or Milestones(...). The first and the last state of every run are frames too, each state once.
+    Every upkeep interval becomes a row of the log. Flushed at least every second while events go on. parameters: recorded in the file;
+    start: so is this digest of the state it all starts from. An existing file is refused unless overwrite is true.
     """
 
-    def __init__(self, path, when=None, parameters=None, overwrite=False):
+    def __init__(self, path, when=None, parameters=None, overwrite=False, start=None):
         super().__init__(when if when is not None else Every(collisions_per_particle=100))
         self.path = check_output(path, overwrite)
-        self._parameters = parameters or {}
+        self._parameters, self._start = parameters or {}, start
         self._overwrite, self._file, self._closed = overwrite, None, False
 
     def __enter__(self):
@@ -48,10 +51,43 @@ class Trajectory(Observer):
     def close(self, complete=True):
         self._closed = True
         if self._file is not None:
-            self._write_log()
-            self._file["edmd"].attrs["complete"] = complete
-            self._file.close()
-            self._file = None
+            try:
+                if self._disk.failure is None:
+                    self._write_log()
+                    self._file["edmd"].attrs["complete"] = complete
+            finally:
+                self._end()
+
+    def _end(self):
+        file, self._file = self._file, None
+        file.close()
+        try:
+            self._disk.commit()
+        finally:
+            self._disk.close()
+
+    def memory(self):
+        """Its place in the file, which is flushed."""
+        self._flush()
+        return {**super().memory(), "frames": len(self._file["particles/trajectory/position/step"]),
+                "rows": len(self._file["edmd/log/time"]), "since": self._since, "begun": self._begun}
+
+    def restore(self, memory):
+        """Go on in the file of the trajectory whose memory this is; what was written after that is cut off."""
+        super().restore(memory)
+        self._since, self._begun = Interval(*memory["since"]), Interval(*memory["begun"])
+        self._rows, self._flushed, self._flush_seconds = [], time.monotonic(), 0.0
+        self._disk = JournaledFile(self.path, "r+")
+        self._file = h5py.File(self._disk, "r+")
+        lengths = [*((series, memory["frames"]) for series in _frame_series(self._file)),
+                   *((series, memory["rows"]) for series in self._file["edmd/log"].values())]
+        for series, length in lengths:
+            if len(series) < length:
+                problem = f"{series.name} has {len(series)} entries, and the checkpoint was made after {length}"
+                self._end()
+                raise ValueError(f"path = {str(self.path)!r}: {problem}; expected the file that belongs to the checkpoint, whole")
+        for series, length in lengths:
+            series.resize(length, axis=0)
 
     def start(self, view):
         if self._closed:
@@ -67,17 +103,16 @@ class Trajectory(Observer):
         self._rows.append((view.time, view.collisions, view.packing_fraction, means.reduced_pressure, means.pressure, means.temperature,
                            means.collision_rate))
         if time.monotonic() - self._flushed > FLUSH_SECONDS:
-            self._write_log()
-            self._file.flush()
-            self._flushed = time.monotonic()
+            self._flush()
 
     def see(self, view):
         self._frame(view)
+        if time.monotonic() - self._flushed > SELDOM * self._flush_seconds:
+            self._flush()
 
     def finish(self, view):
         self._frame(view)
-        self._write_log()
-        self._file.flush()
+        self._flush()
 
     def _frame(self, view):
         steps = self._file["particles/trajectory/position/step"]
@@ -102,8 +137,9 @@ class Trajectory(Observer):
 
     def _create(self, view):
         system, n = view.system, view.n
-        self._file = file = h5py.File(self.path, "w" if self._overwrite else "x")
-        self._rows, self._flushed = [], time.monotonic()
+        self._disk = JournaledFile(self.path, "w" if self._overwrite else "x")
+        self._file = file = h5py.File(self._disk, "w")
+        self._rows, self._flushed, self._flush_seconds = [], time.monotonic(), 0.0
         header = file.create_group("h5md")
         header.attrs["version"] = np.array([1, 1], dtype=np.int32)
         header.create_group("author").attrs["name"] = "edmd"
@@ -130,9 +166,17 @@ class Trajectory(Observer):
             element = _series(observables, name, ())
             element["step"], element["time"] = step, at
         own = file.create_group("edmd")
-        own.attrs.update({"format": FORMAT, "complete": False, **provenance(self._parameters, view.seed)})
+        own.attrs.update({"format": FORMAT, "complete": False, **provenance(self._parameters, view.seed, self._start)})
         for name in LOG:
             _grow(own.require_group("log"), name, (), chunk=LOG_CHUNK)
+
+    def _flush(self):
+        began = time.monotonic()
+        self._write_log()
+        self._file.flush()
+        self._disk.commit()
+        self._flushed = time.monotonic()
+        self._flush_seconds = self._flushed - began
 
     def _write_log(self):
         if self._rows:
@@ -156,6 +200,14 @@ def _grow(group, name, shape, dtype=np.float64, chunk=1):
     return group.create_dataset(name, (0, *shape), maxshape=(None, *shape), chunks=(chunk, *shape), dtype=dtype)
 
 
+def _frame_series(file):
+    """Every dataset that has an entry a frame."""
+    found = []
+    for group in (file["particles/trajectory"], file["observables"]):
+        group.visititems(lambda _, item: found.append(item) if isinstance(item, h5py.Dataset) and item.maxshape[:1] == (None,) else None)
+    return found
+
+
 def _append(dataset, frame, value):
     dataset.resize(frame + 1, axis=0)
     dataset[frame] = value
@@ -166,6 +218,8 @@ def open_run(path):
     path = Path(path)
     if not path.exists():
         raise ValueError(f"path = {str(path)!r}: no such file")
+    with suppress(BeingWritten, PermissionError):
+        put_back(path)
     try:
         try:
             file = h5py.File(path, "r")

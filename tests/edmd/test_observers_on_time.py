@@ -56,6 +56,29 @@ def test_every_time(simulation):
     assert collisions == sorted(collisions)
 
 
+@pytest.mark.parametrize("unit", ["time", "collisions"])
+def test_logarithmic(simulation, unit):
+    """At first * 10**(k / per_decade), counted from where the run starts; whole collisions that come twice count once."""
+    simulation.run(collisions=50)
+    began = getattr(simulation, unit)
+    recorder = Recorder(edmd.Logarithmic(**{unit: 2 if unit == "collisions" else 0.01}, per_decade=4))
+    simulation.run(collisions=600, observers=[recorder])
+    seen = np.array([getattr(view, unit) for view in recorder.seen]) - began
+    if unit == "time":
+        assert seen == pytest.approx(0.01 * 10**(np.arange(len(seen)) / 4), abs=1e-12)
+        assert seen[-1] * 10**0.25 > simulation.time - began
+    else:
+        assert seen.tolist() == [2, 4, 7, 12, 20, 36, 64, 113, 200, 356]
+
+
+def test_nothing_that_others_look_at_moves_a_milestone(simulation):
+    alone, among_others = (Recorder(edmd.Milestones(packing_fraction=0.01, pressure_factor=1.3)) for _ in range(2))
+    simulation.compress(0.02, until_packing_fraction=0.5, observers=[alone])
+    edmd.Simulation(fluids.fluid("triaxial", 32, 0.4)).compress(0.02, until_packing_fraction=0.5, observers=[
+        among_others, Recorder(edmd.Every(collisions=13))])
+    assert [view.time for view in among_others.seen] == [view.time for view in alone.seen]
+
+
 def test_counting_goes_on_from_where_a_run_starts(simulation):
     simulation.run(collisions=50)
     recorder = Recorder(edmd.Every(collisions=20))
@@ -144,6 +167,12 @@ def test_an_interrupted_compression_stops_growing(simulation):
 def test_every_refuses_in_words(arguments):
     with pytest.raises(ValueError, match=r"exactly one|time|collisions"):
         edmd.Every(**arguments)
+
+
+@pytest.mark.parametrize("arguments", [{}, {"time": 1, "collisions": 2}, {"time": 0}, {"time": 1, "per_decade": 0}])
+def test_logarithmic_refuses_in_words(arguments):
+    with pytest.raises(ValueError, match=r"exactly one|time|per_decade"):
+        edmd.Logarithmic(**arguments)
 
 
 @pytest.mark.parametrize("arguments", [{"packing_fraction": 0}, {"packing_fraction": -0.1}, {"pressure_factor": 1.0},

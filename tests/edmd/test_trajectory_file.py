@@ -271,13 +271,17 @@ def test_a_killed_run_leaves_a_readable_file(tmp_path):
     process = subprocess.Popen([sys.executable, "-c", KILLED, str(path)], cwd=ROOT, stdout=subprocess.PIPE, text=True,
                                env={**os.environ, "PYTHONPATH": str(ROOT)})
     assert process.stdout.readline() == "started\n"
-    time.sleep(4.0)
+    time.sleep(3.0)
+    with h5py.File(path, "r") as file:                  # while it grows, with nothing of ours
+        growing = len(file["particles/trajectory/position/step"])
+    assert growing > 5
+    time.sleep(1.0)
     process.send_signal(signal.SIGKILL)
     process.wait()
     with h5py.File(path, "r") as file:
         assert not file["edmd"].attrs["complete"]
         frames = len(file["particles/trajectory/position/step"])
-        assert frames > 5
+        assert frames > growing
         assert (np.diff(file["particles/trajectory/position/step"][:]) == 2000).all()
         assert len(file["edmd/log/time"]) > 5
     for frame in (0, frames // 2, frames - 1):

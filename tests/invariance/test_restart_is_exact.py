@@ -123,3 +123,43 @@ def test_what_is_no_state_is_refused_in_words(kind, tmp_path):
         path.write_bytes(content)
     with pytest.raises(ValueError, match=r"path.*bad"):
         edmd.Simulation.load(path)
+
+
+COURSES = {
+    "a run": lambda simulation, seen: simulation.run(collisions=1500, observers=seen),
+    "a time": lambda simulation, seen: simulation.run(time=3.0, observers=seen),
+    "a compression": lambda simulation, seen: simulation.compress(0.03, until_packing_fraction=0.5, observers=seen),
+    "a compression to a pressure": lambda simulation, seen: simulation.compress(0.05, until_pressure=200, observers=seen),
+    "an expansion": lambda simulation, seen: simulation.compress(-0.02, until_packing_fraction=0.3, observers=seen),
+}
+
+
+class Always(edmd.Schedule):
+    """Whenever the engine gives control back, the end of an upkeep interval included."""
+
+    def due(self, view):
+        return True
+
+
+@pytest.mark.parametrize("course", COURSES)
+@pytest.mark.parametrize("shape", ["sphere", "triaxial", "mixture"])
+def test_resumed_in_the_course_of_a_run(shape, course, tmp_path):
+    """Saved while it goes on, at several moments; every one of them ends as the run did."""
+    simulation, saved = mixture() if shape == "mixture" else fresh(shape), []
+
+    def save(view):
+        saved.append(tmp_path / str(len(saved)))
+        simulation.save(saved[-1], {"moment": len(saved)})
+
+    COURSES[course](simulation, [edmd.Observer(edmd.Every(collisions=101), lambda view: None), edmd.Observer(Always(), save)])
+    assert len(saved) >= 2
+    for number, path in enumerate(saved, 1):
+        loaded = edmd.Simulation.load(path)
+        assert loaded.notes == {"moment": number}
+        if loaded.course.grows:
+            with pytest.raises(ValueError, match="in the course of a compression"):
+                loaded.run(collisions=1)
+        assert_same(loaded.resume(), simulation)
+        with pytest.raises(ValueError, match="nothing to resume"):
+            loaded.resume()
+    loaded.verify()
