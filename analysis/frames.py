@@ -26,9 +26,6 @@ class FrameAnalysis(AnalysisBase):
         super().__init__(atomgroup.universe.trajectory, **kwargs)
         self.atomgroup = atomgroup
 
-    def _frame(self):
-        raise NotImplementedError("a subclass returns one value for each of its SERIES")
-
     def _prepare(self):
         for name in self.SERIES:
             self.results[name] = []

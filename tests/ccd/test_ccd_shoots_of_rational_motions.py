@@ -188,3 +188,27 @@ def test_the_two_roads_agree():
 @pytest.mark.validate
 def test_the_two_roads_agree_for_ten_thousand_pairs():
     assert two_roads(10000, 8, 3, 2.0) < 1e-5
+
+
+STRAIGHT = {"sphere": (1, 1, 1), "needle": (0.01, 0.01, 1), "plate": (1, 1, 0.01), "three axes": (0.5, 1, 2),
+            "tiny": (0.0005, 0.001, 0.002)}
+
+
+@pytest.mark.parametrize("other", STRAIGHT)
+@pytest.mark.parametrize("one", STRAIGHT)
+def test_without_rotation_the_two_roads_are_one(one, other):
+    """Bodies that fly straight are rational exactly: the certified shoot, the Bézier shoots and the intervals give one time."""
+    rng = np.random.default_rng(11)
+    for _ in range(30):
+        a = Ellipsoid(STRAIGHT[one], rng.normal(size=3), rng.normal(size=4))
+        apart = rng.normal(size=3)
+        apart *= 5 / np.linalg.norm(apart)
+        b = Ellipsoid(STRAIGHT[other], a.center + apart, rng.normal(size=4))
+        velocity = -1.6 * apart + 0.1 * rng.normal(size=3) * (a.semi_axes.min() + b.semi_axes.min())
+        path = ccd.RationalMotion(b.orientation[:, None], np.stack([b.center, velocity], axis=1))
+        at_rest = ccd.RationalMotion(a.orientation[:, None], a.center[:, None])
+        certified, algebraic = ccd.first_contact(a, Rest(), b, FreeFlight(velocity)), ccd.first_contact(a, at_rest, b, path)
+        starts = [each.start for each in ccd.contact_intervals(a, at_rest, b, path) if each.state == State.OVERLAPPING]
+        assert certified.status == algebraic.status == Status.CONTACT
+        assert len(starts) == 1
+        np.testing.assert_allclose([algebraic.time, starts[0]], certified.time, rtol=0, atol=1e-12)
