@@ -4,38 +4,42 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ccd.precession import symmetry_axes
 from edmd import state
 from edmd.epoch import kinetic_energy, rebuild_all, reschedule_all
 from edmd.events import Ended
 from edmd.flight import advance_all, set_vectors
 from edmd.inertia import rotational_degrees, shape_turning
 from edmd.neighbors import DONE
-from edmd.state import Calendar, Grid, Lists, Pairs, World
+from edmd.state import Calendar, Grid, Lists, World
 from edmd.system import wrap
-from edmd.tolerances import CELL_FRACTION, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, REFINE_BELOW
+from edmd.tolerances import CELL_FRACTION, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, MORE_ROOM, REFINE_BELOW
 
 
 def build_world(system):
     """A World at time 0 with lists and predictions made. The bodies must not overlap (the caller has checked)."""
     n = system.n
-    bodies = _body_rows(system)
-    longest = bodies[:, state.LARGEST] + bodies[:, state.MARGIN_LENGTH]
+    kinds, kind = _kind_rows(system)
+    bodies = _body_rows(system, kinds, kind)
+    longest = kinds[:, state.LARGEST] + kinds[:, state.MARGIN_LENGTH]
     _check_cell(system, longest.max())
     clock = np.zeros(state.CLOCK_ROW)
     clock[state.SIZE] = 1.0
     clock[state.HORIZON] = 1e300
     clock[state.REACH] = longest.max()
     speed = np.sqrt((system.velocities**2).sum(axis=1).mean())
-    clock[state.REFINE] = REFINE_BELOW * bodies[:, state.MARGIN_LENGTH].mean() / speed if speed > 0 else 0.0
+    clock[state.REFINE] = REFINE_BELOW * kinds[kind, state.MARGIN_LENGTH].mean() / speed if speed > 0 else 0.0
+    clock[state.ROUNDING] = 8 * np.finfo(float).eps * np.abs(system.box).sum()
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
-    world = World(bodies, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(n, LIST_ROOM),
-                  _pairs(n * LIST_ROOM // 2), _grid(system, 2 * longest.max()), _calendar(n), clock, tally)
-    world.tally[state.FREE_PAIRS] = len(world.pairs.free)
+    tally[state.ENTRIES] = n * LIST_ROOM
+    world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
+                  _grid(system, 2 * longest.max()), _calendar(n), clock, tally)
     clock[state.ENERGY] = kinetic_energy(world)
     world, status = with_room(world, rebuild_all)
     if status != DONE:
         raise ValueError(cell_too_small(system.box))
+    world = _packed(world)
     reschedule_all(world)
     return world
 
@@ -44,7 +48,7 @@ def with_room(world, action, *arguments):
     """Run a kernel that may need longer lists; it is asked again with more room as often as it says so. -> world, status."""
     status = action(world, *arguments)
     while status == Ended.LIST_FULL:
-        world = _enlarged(world)
+        world = _packed(world)
         status = action(world, *arguments)
     return world, status
 
@@ -61,10 +65,11 @@ class Synchronised(NamedTuple):
 def synchronised_rows(world, order):
     """The bodies of now in some order (n,), as copies, and the images (n, 3) of their positions. The world is not touched."""
     rows = world.bodies[order]
-    advance_all(rows, world.clock[state.NOW])
+    advance_all(rows, world.kinds, world.clock[state.NOW])
     positions, outside = wrap(rows[:, state.POSITION:state.POSITION + 3], world.grid.box)
+    across = world.kinds[rows[:, state.KIND].astype(int), state.ACROSS]
     return Synchronised(positions, rows[:, state.VELOCITY:state.VELOCITY + 3], rows[:, state.ORIENTATION:state.ORIENTATION + 4],
-                        rows[:, state.TURNING:state.TURNING + 3]), world.image[order] + outside
+                        across[:, None] * rows[:, state.MOMENTUM:state.MOMENTUM + 3]), world.image[order] + outside
 
 
 def flattened(world, prefix=""):
@@ -72,19 +77,18 @@ def flattened(world, prefix=""):
     for name, value in zip(world._fields, world):
         if isinstance(value, tuple):
             yield from flattened(value, f"{prefix}{name}.")
-        else:
+        elif name not in ("directions", "links", "images"):           # the same memory as numbers
             yield prefix + name, value
 
 
 def unflattened(arrays):
     """The World of `flattened` arrays."""
-    parts = {"lists": Lists, "grid": Grid, "calendar": Calendar}
+    parts = {"grid": Grid, "calendar": Calendar}
     fields = {name: kind(*(np.ascontiguousarray(arrays[f"{name}.{field}"]) for field in kind._fields)) for name, kind in parts.items()}
     for name in ("bodies", "anchors"):
         fields[name] = _aligned_copy(arrays[name])
-    plane = _aligned_copy(arrays["pairs.plane"])
-    fields["pairs"] = Pairs(plane, plane.view(np.int32), arrays["pairs.free"])
-    return World(image=arrays["image"], clock=arrays["clock"], tally=arrays["tally"], **fields)
+    lists = _views(np.ascontiguousarray(arrays["lists.spans"]), _aligned_copy(arrays["lists.numbers"]), arrays["lists.seen"])
+    return World(lists=lists, **{name: arrays[name] for name in ("kinds", "image", "clock", "tally")}, **fields)
 
 
 def cell_too_small(box):
@@ -99,34 +103,49 @@ def _check_cell(system, longest):
         raise ValueError(f"{cell_too_small(system.box)}: its smallest width is {heights.min():.6g}, and {2 * longest:.6g} is needed")
 
 
-def _body_rows(system):
-    n, semi_axes = system.n, system.semi_axes
-    turning, across, _ = shape_turning(system)
-    rows = _aligned(n, state.BODY_ROW)
-    rows[:, state.POSITION:state.POSITION + 3] = system.positions
-    rows[:, state.VELOCITY:state.VELOCITY + 3] = system.velocities
-    rows[:, state.TURNING:state.TURNING + 3] = turning
-    rows[:, state.ORIENTATION:state.ORIENTATION + 4] = system.orientations
-    rows[:, state.SEMI_AXES:state.SEMI_AXES + 3] = semi_axes
+def _kind_rows(system):
+    """The table of kinds, and the kind (n,) of each body."""
+    moments = np.where(rotational_degrees(system.semi_axes)[:, None] > 0, system.moments, np.inf)
+    distinct, kind = np.unique(np.column_stack([system.semi_axes, system.masses, moments]), axis=0, return_inverse=True)
+    semi_axes = distinct[:, :3]
     smallest, largest = semi_axes.min(axis=1), semi_axes.max(axis=1)
-    rows[:, state.BEND] = (turning**2).sum(axis=1) * (largest**2 - smallest**2) / smallest
-    rows[:, state.INVERSE_MASS] = 1 / system.masses
-    rows[:, state.INVERSE_INERTIA] = np.where(rotational_degrees(semi_axes) > 0, 1 / across, 0.0)
+    rows = np.zeros((len(distinct), state.KIND_ROW))
+    rows[:, state.SEMI_AXES:state.SEMI_AXES + 3] = semi_axes
+    rows[:, state.INVERSE_MASS] = 1 / distinct[:, 3]
+    rows[:, state.INVERSE_MOMENTS:state.INVERSE_MOMENTS + 3] = 1 / distinct[:, 4:]
+    axis = symmetry_axes(semi_axes)
+    rows[:, state.AXIS] = axis
+    rows[:, state.ACROSS] = 1 / distinct[np.arange(len(distinct)), 4 + (np.minimum(axis, 2) + 1) % 3]
     rows[:, state.SPREAD] = largest - smallest
     rows[:, state.LARGEST] = largest
+    rows[:, state.BENDING] = (largest**2 - smallest**2) / smallest
     rows[:, state.MARGIN_LENGTH] = MARGIN * np.cbrt(semi_axes.prod(axis=1))
-    set_vectors(rows)
+    return rows, kind.ravel()
+
+
+def _body_rows(system, kinds, kind):
+    turning, across, _ = shape_turning(system)
+    rows = _aligned(system.n, state.BODY_ROW)
+    rows[:, state.POSITION:state.POSITION + 3] = system.positions
+    rows[:, state.VELOCITY:state.VELOCITY + 3] = system.velocities
+    rows[:, state.KIND] = kind
+    rows[:, state.MOMENTUM:state.MOMENTUM + 3] = across[:, None] * turning
+    rows[:, state.ORIENTATION:state.ORIENTATION + 4] = system.orientations
+    set_vectors(rows, kinds)
     return rows
 
 
-def _lists(n, room):
-    return Lists(np.zeros(n, dtype=np.int32), np.zeros((n, room), dtype=np.int32), np.zeros((n, room), dtype=np.int32),
-                 np.full((n, room), np.inf))
+def _lists(room):
+    """Empty lists with room (n,) for so many entries."""
+    spans = np.zeros((len(room), state.SPAN_ROW), dtype=np.int32)
+    spans[:, state.ROOM] = room
+    spans[:, state.BEGIN] = np.cumsum(room) - room
+    taken = int(room.sum())
+    return _views(spans, _aligned(taken + taken // 16 + 64, state.ENTRY_ROW), np.full(len(room), -1))
 
 
-def _pairs(rows):
-    plane = _aligned(rows, state.PAIR_ROW)
-    return Pairs(plane, plane.view(np.int32), np.arange(rows, dtype=np.int32)[::-1].copy())
+def _views(spans, numbers, seen):
+    return Lists(spans, numbers, numbers.view(np.float32), numbers.view(np.int32), numbers.view(np.int8), seen)
 
 
 def _calendar(n):
@@ -150,20 +169,21 @@ def _grid(system, reach):
                 np.full(system.n, -1, dtype=np.int32), system.box.copy(), inverse, heights)
 
 
-def _enlarged(world):
-    """The same world with twice the room in its lists and half as much again in its pair table."""
-    n, room = world.lists.pair.shape
-    lists, more = _lists(n, 2 * room), len(world.pairs.link)
-    for old, new in zip(world.lists[1:], lists[1:]):
-        new[:, :room] = old
-    pairs = _pairs(2 * more)
-    pairs.plane[:more] = world.pairs.plane
-    free = world.tally[state.FREE_PAIRS]
-    pairs.free[:free] = world.pairs.free[:free]
-    pairs.free[free:free + more] = np.arange(2 * more - 1, more - 1, -1)
-    world.tally[state.FREE_PAIRS] += more
-    lists.count[:] = world.lists.count
-    return world._replace(lists=lists, pairs=pairs)
+def _packed(world):
+    """The same world with its lists in order, each with a little more room than it has entries."""
+    spans, old = world.lists.spans, world.lists.numbers
+    count = spans[:, state.COUNT]
+    lists = _lists(count + MORE_ROOM - 1)
+    lists.spans[:, state.COUNT] = count
+    lists.seen[:] = world.lists.seen
+    slot = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    source, target = np.repeat(spans[:, state.BEGIN], count) + slot, np.repeat(lists.spans[:, state.BEGIN], count) + slot
+    moved = np.zeros(len(old), dtype=np.int32)
+    moved[source] = target
+    lists.numbers[target] = old[source]
+    lists.links[target, state.TWIN] = moved[lists.links[target, state.TWIN]]
+    world.tally[state.ENTRIES] = lists.spans[:, state.ROOM].sum()
+    return world._replace(lists=lists)
 
 
 def _aligned(rows, columns):

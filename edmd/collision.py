@@ -1,27 +1,21 @@
 """Apply the impulse of a contact to both bodies."""
 
 from ccd.compiling import kernel
-from ccd.first_contact import curvature
 from ccd.separation import support, support_point
 from ccd.vectors import add_scaled, cross, dot, load, scale, store
-from edmd.flight import load_vectors
+from edmd.flight import kind_of, load_vectors
 from edmd.prediction import size_now
 from edmd.rules import elastic
 from edmd.state import (
-    BEND,
-    BODY_A,
-    BODY_B,
+    ACROSS,
     COLLISIONS,
     ENERGY,
     ENERGY_SINCE,
     ENERGY_TIME,
     GROWTH,
-    INVERSE_INERTIA,
     INVERSE_MASS,
-    NORMAL,
+    MOMENTUM,
     NOW,
-    SEMI_AXES,
-    TURNING,
     VECTORS,
     VELOCITY,
     VIRIAL,
@@ -29,28 +23,25 @@ from edmd.state import (
 
 
 @kernel
-def _kick(row, n, arm, impulse):
+def _kick(row, kind, n, arm, impulse):
     """Impulse along n with torque impulse * arm, arm = lever x n."""
-    store(row, VELOCITY, add_scaled(load(row, VELOCITY), impulse * row[INVERSE_MASS], n))
-    turning = add_scaled(load(row, TURNING), impulse * row[INVERSE_INERTIA], arm)
-    store(row, TURNING, turning)
-    row[BEND] = curvature(load(row, SEMI_AXES), turning)
+    store(row, VELOCITY, add_scaled(load(row, VELOCITY), impulse * kind[INVERSE_MASS], n))
+    store(row, MOMENTUM, add_scaled(load(row, MOMENTUM), impulse, arm))
 
 
 @kernel
-def collide(world, pair, rate):
-    """The pair touches now, both bodies up to date; rate is that of their gap, growth and rotation included."""
-    clock, link = world.clock, world.pairs.link[pair]
-    a, b = world.bodies[link[BODY_A]], world.bodies[link[BODY_B]]
-    n = load(world.pairs.plane[pair], NORMAL)
+def collide(world, body, partner, n, rate):
+    """Two bodies touch now, both up to date; n: the normal from one to the other, rate: of their gap, growth and rotation included."""
+    clock = world.clock
+    a, b, kind_a, kind_b = world.bodies[body], world.bodies[partner], world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
     s_a, s_b, size = load_vectors(a, VECTORS), load_vectors(b, VECTORS), size_now(clock)
     arm_a, arm_b = cross(scale(size, support_point(s_a, n)), n), cross(scale(-size, support_point(s_b, n)), n)
     # n is unit up to rounding only: its square keeps the energy, which would otherwise drift one way
-    inverse_mass = ((a[INVERSE_MASS] + b[INVERSE_MASS]) * dot(n, n)
-                    + a[INVERSE_INERTIA] * dot(arm_a, arm_a) + b[INVERSE_INERTIA] * dot(arm_b, arm_b))
+    inverse_mass = ((kind_a[INVERSE_MASS] + kind_b[INVERSE_MASS]) * dot(n, n)
+                    + kind_a[ACROSS] * dot(arm_a, arm_a) + kind_b[ACROSS] * dot(arm_b, arm_b))
     impulse = elastic.impulse(-rate, inverse_mass)
-    _kick(a, n, arm_a, -impulse)
-    _kick(b, n, arm_b, impulse)
+    _kick(a, kind_a, n, arm_a, -impulse)
+    _kick(b, kind_b, n, arm_b, impulse)
     _record(world, impulse, support(s_a, n) + support(s_b, n))
 
 

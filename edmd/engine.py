@@ -5,7 +5,7 @@ from edmd.collision import collide
 from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
 from edmd.prediction import look, predict, reschedule
-from edmd.state import COLLISIONS, EVENTS, NEXT_EPOCH, NOW, STANDING
+from edmd.state import BEGIN, COLLISIONS, COUNT, EVENT, EVENTS, NEXT_EPOCH, NOW, PARTNER, STANDING
 from edmd.tolerances import EVENTS_AT_ONCE, STALL_EVENTS
 
 ESCAPE = int(EventKind.ESCAPE)
@@ -37,11 +37,12 @@ def advance_events(world, until_time, until_collisions):
             status = escape(world, body)
             if status != DONE:
                 return status
-        elif slot < lists.count[body] and lists.time[body, slot] == time:
-            pair, partner = lists.pair[body, slot], int(lists.partner[body, slot])
-            touches, rate = look(world, body, slot)
+        elif slot < lists.spans[body, COUNT] and lists.numbers[lists.spans[body, BEGIN] + slot, EVENT] == time:
+            entry = int(lists.spans[body, BEGIN]) + slot
+            touches, rate, n = look(world, body, entry)
             if touches:
-                collide(world, pair, rate)
+                partner = int(lists.links[entry, PARTNER])
+                collide(world, body, partner, n, rate)
                 for other in (body, partner):
                     predict(world, other)
                     set_escape(world, other)

@@ -5,34 +5,36 @@
 from math import inf, sqrt
 
 from ccd.compiling import kernel
-from ccd.first_contact import curvature
 from ccd.vectors import add_scaled, dot, load, scale, store
-from edmd.flight import advance_all
-from edmd.neighbors import DONE, rebuild, set_escape
+from edmd.flight import advance_all, kind_of
+from edmd.neighbors import DONE, NO_AXIS, rebuild, set_escape
 from edmd.prediction import predict, reschedule, size_now
 from edmd.state import (
+    ACROSS,
     ANCHOR_POSITION,
-    BEND,
+    AXIS,
+    BEGIN,
     COLLISIONS,
+    COUNT,
     ENERGY,
     ENERGY_SINCE,
     ENERGY_TIME,
     EPOCH,
     EPOCH_BEGAN,
     ESCAPE_TIME,
-    FREE_PAIRS,
+    EVENT,
     GROWTH,
     HORIZON,
-    INVERSE_INERTIA,
     INVERSE_MASS,
+    INVERSE_MOMENTS,
+    MOMENTUM,
     NEXT_EPOCH,
     NOW,
     REACH_SIZE,
     REFINE,
-    SEMI_AXES,
+    SINCE,
     SIZE,
     TIME,
-    TURNING,
     VECTORS,
     VELOCITY,
     VIRIAL,
@@ -55,31 +57,24 @@ def start_epoch(world):
     for body in range(n):
         world.bodies[body, TIME] -= now
         world.anchors[body, ESCAPE_TIME] -= now
-        for slot in range(world.lists.count[body]):
-            world.lists.time[body, slot] -= now
+        begin = int(world.lists.spans[body, BEGIN])
+        for entry in range(begin, begin + int(world.lists.spans[body, COUNT])):
+            world.lists.numbers[entry, EVENT] -= now
+            world.lists.numbers[entry, SINCE] -= now
     for node in range(len(world.calendar.time)):
         world.calendar.time[node] -= now
 
 
 @kernel
-def symmetry_axis(row):
-    """0, 1, 2 for a body of revolution; 3 for three different axes; 4 for a sphere."""
-    a, b, c = load(row, SEMI_AXES)
-    if a == b and b == c:
-        return 4
-    return 2 if a == b else 1 if a == c else 0 if b == c else 3
-
-
-@kernel
-def active_turning(row):
-    """The part of the angular velocity that collisions change: for a body of revolution the part across its axis."""
-    turning, axis = load(row, TURNING), symmetry_axis(row)
-    if axis == 4:
+def active_momentum(row, kind):
+    """The part of the angular momentum that collisions change: for a body of revolution the part across its axis."""
+    momentum, axis = load(row, MOMENTUM), int(kind[AXIS])
+    if kind[ACROSS] == 0.0:
         return (0.0, 0.0, 0.0)
-    if axis == 3:
-        return turning
+    if axis == NO_AXIS:
+        return momentum
     along = load(row, VECTORS + 3 * axis)
-    return add_scaled(turning, -dot(turning, along) / dot(along, along), along)
+    return add_scaled(momentum, -dot(momentum, along) / dot(along, along), along)
 
 
 @kernel
@@ -87,26 +82,31 @@ def kinetic_energy(world):
     """Energy of all motions that collisions exchange: not that of the common drift, nor of the spin of bodies of revolution."""
     energy, mass, momentum = 0.0, 0.0, (0.0, 0.0, 0.0)
     for body in range(len(world.bodies)):
-        row = world.bodies[body]
-        mass += 1 / row[INVERSE_MASS]
-        momentum = add_scaled(momentum, 1 / row[INVERSE_MASS], load(row, VELOCITY))
-        energy += 0.5 * dot(load(row, VELOCITY), load(row, VELOCITY)) / row[INVERSE_MASS]
-        if row[INVERSE_INERTIA] > 0:
-            turning = active_turning(row)
-            energy += 0.5 * dot(turning, turning) / row[INVERSE_INERTIA]
+        row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
+        mass += 1 / kind[INVERSE_MASS]
+        momentum = add_scaled(momentum, 1 / kind[INVERSE_MASS], load(row, VELOCITY))
+        turning = active_momentum(row, kind)
+        energy += 0.5 * (dot(load(row, VELOCITY), load(row, VELOCITY)) / kind[INVERSE_MASS] + kind[ACROSS] * dot(turning, turning))
     return max(energy - 0.5 * dot(momentum, momentum) / mass, 0.0)
 
 
 @kernel
 def rescale(world, factor, inertia_factor):
-    """Multiply the exchanged velocities by a factor; moments of inertia by another, at unchanged energy. Predictions are made anew."""
-    advance_all(world.bodies, world.clock[NOW])
+    """Multiply the exchanged velocities by a factor; moments of inertia by another, at unchanged energy. Predictions are made anew.
+
+    The spin of a body of revolution about its axis stays, whatever its moment.
+    """
+    advance_all(world.bodies, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):
         row = world.bodies[body]
         store(row, VELOCITY, scale(factor, load(row, VELOCITY)))
-        row[INVERSE_INERTIA] /= inertia_factor
-        store(row, TURNING, add_scaled(load(row, TURNING), factor / sqrt(inertia_factor) - 1, active_turning(row)))
-        row[BEND] = curvature(load(row, SEMI_AXES), load(row, TURNING))
+        active = active_momentum(row, world.kinds[kind_of(world, body)])
+        spin = add_scaled(load(row, MOMENTUM), -1.0, active)
+        store(row, MOMENTUM, add_scaled(scale(inertia_factor, spin), factor * sqrt(inertia_factor), active))
+    for kind in range(len(world.kinds)):
+        world.kinds[kind, ACROSS] /= inertia_factor
+        for k in range(3):
+            world.kinds[kind, INVERSE_MOMENTS + k] /= inertia_factor
     predict_all(world)
 
 
@@ -116,7 +116,7 @@ def predict_all(world):
     world.clock[ENERGY_TIME] += world.clock[ENERGY] * (world.clock[NOW] - world.clock[ENERGY_SINCE])
     world.clock[ENERGY_SINCE] = world.clock[NOW]
     world.clock[ENERGY] = kinetic_energy(world)
-    advance_all(world.bodies, world.clock[NOW])
+    advance_all(world.bodies, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):
         predict(world, body)
         set_escape(world, body)
@@ -133,13 +133,9 @@ def reschedule_all(world):
 def rebuild_all(world):
     """Every list anew. -> DONE or why it could not be."""
     world.clock[REACH_SIZE] = 0.0
-    advance_all(world.bodies, world.clock[NOW])
-    rows = len(world.pairs.free)
-    world.tally[FREE_PAIRS] = rows
-    for k in range(rows):
-        world.pairs.free[k] = rows - 1 - k
+    advance_all(world.bodies, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):
-        world.lists.count[body] = 0
+        world.lists.spans[body, COUNT] = 0
         world.anchors[body, ANCHOR_POSITION] = inf
     for body in range(len(world.bodies)):
         status = rebuild(world, body)

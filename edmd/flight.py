@@ -1,10 +1,10 @@
-"""Bring a body up to date: straight flight, and rotation of its shape at a constant rate."""
+"""Bring a body up to date: straight flight, and rotation of its shape."""
 
 from ccd.compiling import kernel
-from ccd.rotation import body_axes, turn
+from ccd.rotation import body_axes, load_quaternion, turn
 from ccd.separation import semi_axis_vectors
-from ccd.vectors import add_scaled, load, store
-from edmd.state import ORIENTATION, POSITION, SEMI_AXES, TIME, TURNING, VECTORS, VELOCITY
+from ccd.vectors import add_scaled, load, scale, store
+from edmd.state import ACROSS, KIND, MOMENTUM, ORIENTATION, POSITION, SEMI_AXES, SPREAD, TIME, VECTORS, VELOCITY
 
 
 @kernel
@@ -21,8 +21,9 @@ def store_vectors(row, start, vectors):
 
 
 @kernel
-def load_quaternion(row, start):
-    return row[start], row[start + 1], row[start + 2], row[start + 3]
+def kind_of(world, body):
+    """Row of its kind in the table."""
+    return int(world.bodies[body, KIND])
 
 
 @kernel
@@ -31,32 +32,40 @@ def position_at(row, now):
 
 
 @kernel
-def advance(row, now):
+def turning(row, kind):
+    """The angular velocity at which the shape turns, eq. (12)."""
+    return scale(kind[ACROSS], load(row, MOMENTUM))
+
+
+@kernel
+def advance(row, kind, now):
     """Move the body of this row to the present."""
     time = now - row[TIME]
     if time == 0.0:
         return
     store(row, POSITION, position_at(row, now))
-    w, x, y, z = turn(load_quaternion(row, ORIENTATION), load(row, TURNING), time)
+    row[TIME] = now
+    if kind[SPREAD] == 0.0:
+        return
+    w, x, y, z = turn(load_quaternion(row, ORIENTATION), turning(row, kind), time)
     row[ORIENTATION] = w
     store(row, ORIENTATION + 1, (x, y, z))
-    row[TIME] = now
-    _set_vectors(row)
+    _set_vectors(row, kind)
 
 
 @kernel
-def _set_vectors(row):
-    store_vectors(row, VECTORS, semi_axis_vectors(load(row, SEMI_AXES), body_axes(load_quaternion(row, ORIENTATION))))
+def _set_vectors(row, kind):
+    store_vectors(row, VECTORS, semi_axis_vectors(load(kind, SEMI_AXES), body_axes(load_quaternion(row, ORIENTATION))))
 
 
 @kernel
-def advance_all(rows, now):
+def advance_all(rows, kinds, now):
     for body in range(len(rows)):
-        advance(rows[body], now)
+        advance(rows[body], kinds[int(rows[body, KIND])], now)
 
 
 @kernel
-def set_vectors(rows):
+def set_vectors(rows, kinds):
     """The semi-axis vectors of all bodies from their orientations."""
     for body in range(len(rows)):
-        _set_vectors(rows[body])
+        _set_vectors(rows[body], kinds[int(rows[body, KIND])])

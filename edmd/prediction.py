@@ -1,33 +1,47 @@
-"""The earliest thing that can happen to a body. Bounds are never made exact before their time comes (docs/theory.md, section 3)."""
+"""The earliest thing that can happen to a body. Bounds are never made exact before their time comes (docs/theory.md, section 3).
 
-from math import inf
+A plane of direction n, from a body to a neighbour, keeps the two apart while the body's side of it, U = n.x + h(n), stays below the
+neighbour's, L = n.x - h(n). Each side moves with its own body alone, so the list entry that a body has of a neighbour keeps n and the
+bound of L: after a collision a body computes its own U, and looks at no neighbour.
+"""
+
+from math import inf, sqrt
+
+import numpy as np
 
 from ccd.compiling import kernel
 from ccd.first_contact import gap_motion, grown, holding_time, support_motion
-from ccd.separation import best_plane
+from ccd.separation import best_plane, support
 from ccd.tolerances import COARSE, EXACT, TOUCHING
-from ccd.vectors import load, scale, store, subtract
+from ccd.vectors import dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced
 from edmd.calendar import schedule
 from edmd.events import EventKind
-from edmd.flight import advance, load_vectors, position_at
+from edmd.flight import advance, kind_of, load_vectors, position_at, turning
 from edmd.state import (
-    BEND,
-    BODY_A,
-    BODY_B,
+    BEGIN,
+    BENDING,
+    COUNT,
     ESCAPE_TIME,
+    EVENT,
     GROWTH,
     HORIZON,
+    IMAGE,
+    LARGEST,
     LOOKS,
     NORMAL,
     NOW,
-    PENCIL,
+    PARTNER,
     REFINE,
-    SHIFT,
+    ROUNDING,
+    SIDE,
+    SIDE_BEND,
+    SIDE_RATE,
+    SINCE,
     SIZE,
-    SLOT_A,
+    SPREAD,
     TIME,
-    TURNING,
+    TWIN,
     VECTORS,
     VELOCITY,
 )
@@ -41,20 +55,23 @@ def size_now(clock):
 
 
 @kernel
-def flight_now(row, clock):
+def flight_now(world, body):
     """What the bounds need of a body, in registers: position now, velocity, turning, semi-axis vectors and curvature, and their age."""
-    return (position_at(row, clock[NOW]), load(row, VELOCITY), load(row, TURNING), load_vectors(row, VECTORS), row[BEND],
-            clock[NOW] - row[TIME])
+    row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
+    spin = turning(row, kind)
+    now = world.clock[NOW]
+    return (position_at(row, now), load(row, VELOCITY), spin, load_vectors(row, VECTORS), dot(spin, spin) * kind[BENDING],
+            now - row[TIME])
 
 
 @kernel
 def flight_support(flight, n, clock):
     """`support_motion` of a body from its own time, with its growth."""
-    _, _, turning, vectors, bend, age = flight
-    motion = support_motion(vectors, turning, bend, n, age)
+    _, _, spin, vectors, bend, age = flight
+    motion = support_motion(vectors, spin, bend, n, age)
     if clock[GROWTH] == 0.0:
         return scale(clock[SIZE], motion)
-    return grown(motion, size_now(clock), clock[GROWTH], clock[HORIZON])
+    return grown(motion, size_now(clock), clock[GROWTH], 2 * clock[HORIZON])
 
 
 @kernel
@@ -66,84 +83,180 @@ def pair_motion(a, b, r, n, clock):
 
 
 @kernel
-def separation_now(world, link, a, b, side):
-    """Vector from the centre of one body of a pair to the image of the other; side is 1 when the first is the pair's A, otherwise -1."""
-    return displaced(subtract(b[0], a[0]), world.grid.box, side * link[SHIFT], side * link[SHIFT + 1], side * link[SHIFT + 2])
+def direction_of(lists, entry):
+    n = lists.directions[entry]
+    return np.float64(n[NORMAL]), np.float64(n[NORMAL + 1]), np.float64(n[NORMAL + 2])
 
 
 @kernel
-def renew_plane(plane, a, b, r, side, precision):
-    """The best separating direction, from a to b, for the poses that the bodies have on record; side as in `separation_now`."""
-    start = plane[PENCIL] if side > 0 else 1 - plane[PENCIL]
-    n, x, converged = best_plane(a[3], b[3], r, start, precision)
-    store(plane, NORMAL, scale(side, n))
-    plane[PENCIL] = x if side > 0 else 1 - x
+def imaged(world, entry, r):
+    """r moved by the cell vectors that lead to the image of the neighbour."""
+    if world.lists.links[entry, IMAGE // 4] == 0:
+        return r
+    image = world.lists.images[entry]
+    return displaced(r, world.grid.box, image[IMAGE], image[IMAGE + 1], image[IMAGE + 2])
+
+
+@kernel
+def hold(world, entry, own, other, n):
+    """Let a pair be watched by the plane of direction n, from now on. -> for how long it holds."""
+    lists, clock = world.lists, world.clock
+    store(lists.directions[entry], NORMAL, n)
+    n = direction_of(lists, entry)
+    store(lists.directions[lists.links[entry, TWIN]], NORMAL, scale(-1.0, n))
+    above = flight_support(other, n, clock)
+    side, rate, bend = dot(n, imaged(world, entry, other[0])) - above[0], dot(n, other[1]) - above[1], above[2]
+    number = lists.numbers[entry]
+    number[SIDE], number[SIDE_RATE], number[SIDE_BEND], number[SINCE] = side, rate, bend, clock[NOW]
+    return span_of_sides(world, entry, own, n)
+
+
+@kernel
+def span_of_sides(world, entry, own, n):
+    """How long the plane of an entry holds, its body being as it is now, which the neighbour's entry is told. At most the horizon."""
+    lists, clock = world.lists, world.clock
+    number, other = lists.numbers[entry], lists.numbers[lists.links[entry, TWIN]]
+    below = flight_support(own, n, clock)
+    top, top_rate = dot(n, own[0]) + below[0], dot(n, own[1]) + below[1]
+    age = clock[NOW] - number[SINCE]
+    rate = number[SIDE_RATE] - age * number[SIDE_BEND]
+    gap = number[SIDE] + 0.5 * age * (number[SIDE_RATE] + rate) - top - clock[ROUNDING]
+    there = imaged(world, entry, (0.0, 0.0, 0.0))
+    other[SIDE], other[SIDE_RATE], other[SIDE_BEND], other[SINCE] = dot(n, there) - top, -top_rate, below[2], clock[NOW]
+    return min(holding_time(gap, rate - top_rate, number[SIDE_BEND] + below[2]), clock[HORIZON])
+
+
+@kernel
+def renew(world, entry, own):
+    """The best plane for the poses that the bodies have on record. -> for how long it holds."""
+    other = flight_now(world, int(world.lists.links[entry, PARTNER]))
+    r = imaged(world, entry, subtract(other[0], own[0]))
+    n, _ = plane(own, other, r, direction_of(world.lists, entry), COARSE)
+    return hold(world, entry, own, other, n)
+
+
+@kernel
+def plane(own, other, r, n, precision):
+    """The best separating direction for the poses on record, and whether it converged; n: a direction near it.
+
+    (1 - lambda) h_A = lambda h_B at the maximiser, by eq. (2): the direction says where to start.
+    """
+    h_a, h_b = support(own[3], n), support(other[3], n)
+    n, _, converged = best_plane(own[3], other[3], r, h_a / (h_a + h_b), precision)
     return n, converged
 
 
 @kernel
-def span_without_contact(world, own, body, slot):
-    """A time span, from now, in which the pair cannot touch: by its last plane, by a new one when that holds for a short time only.
-
-    own: the flight of the body; slot: of the pair in its list.
-    """
-    clock, pair = world.clock, world.lists.pair[body, slot]
-    link, plane = world.pairs.link[pair], world.pairs.plane[pair]
-    side = 1 if link[BODY_A] == body else -1
-    other = flight_now(world.bodies[world.lists.partner[body, slot]], clock)
-    r = separation_now(world, link, own, other, side)
-    gap, rate, bend, _ = pair_motion(own, other, r, scale(side, load(plane, NORMAL)), clock)
-    span = holding_time(gap, rate, bend)
-    if span < clock[REFINE]:
-        n, _ = renew_plane(plane, own, other, r, side, COARSE)
-        gap, rate, bend, _ = pair_motion(own, other, r, n, clock)
-        span = max(span, holding_time(gap, rate, bend))
-    return min(span, clock[HORIZON])
+def ball_now(world, body):
+    """Of a sphere: position now, velocity, radius at size 1."""
+    row = world.bodies[body]
+    return position_at(row, world.clock[NOW]), load(row, VELOCITY), world.kinds[kind_of(world, body)][LARGEST]
 
 
 @kernel
-def hold(world, body, slot, time):
-    """Write a pair's earliest contact into the list of this body; the partner's entry is void."""
-    lists = world.lists
-    link = world.pairs.link[lists.pair[body, slot]]
-    partner_slot = link[SLOT_A + 1] if link[BODY_A] == body else link[SLOT_A]
-    lists.time[lists.partner[body, slot], partner_slot] = inf
-    lists.time[body, slot] = time
+def is_sphere(world, body):
+    return world.kinds[kind_of(world, body)][SPREAD] == 0.0
+
+
+@kernel
+def meeting_of_balls(world, entry, own, other):
+    """How long until two spheres meet, eq. (9b), inf for never; besides their distance, its rate and the vector between the centres."""
+    clock, reach = world.clock, own[2] + other[2]
+    r, v = imaged(world, entry, subtract(other[0], own[0])), subtract(other[1], own[1])
+    distance, reach, growing = norm(r), reach * size_now(clock), reach * clock[GROWTH]
+    gap, closing, opening = distance - reach, dot(r, v) - reach * growing, dot(v, v) - growing * growing
+    apart = max(gap, 0.0) * (distance + reach)
+    square = closing * closing - opening * apart
+    span = inf
+    if square >= 0 and closing < 0:
+        span = apart / (sqrt(square) - closing)
+    elif opening < 0:
+        span = (closing + sqrt(square)) / -opening
+    return span, gap, dot(r, v) / distance - growing, r
+
+
+@kernel
+def hold_until(world, entry, time):
+    """Write a pair's earliest contact into the list of this body; the neighbour's entry is void."""
+    numbers = world.lists.numbers
+    numbers[entry, EVENT] = time
+    numbers[world.lists.links[entry, TWIN], EVENT] = inf
+
+
+@kernel
+def predict_pair(world, entry, own):
+    """Bound the first contact of one pair, from now on."""
+    clock, lists = world.clock, world.lists
+    span = span_of_sides(world, entry, own, direction_of(lists, entry))
+    if span < clock[REFINE] or clock[NOW] - lists.numbers[entry, SINCE] > clock[HORIZON]:
+        span = max(span, renew(world, entry, own))
+    hold_until(world, entry, clock[NOW] + span)
 
 
 @kernel
 def predict(world, body):
-    """After a change of velocity: bound every pair of the body anew."""
-    lists, own = world.lists, flight_now(world.bodies[body], world.clock)
-    for slot in range(lists.count[body]):
-        hold(world, body, slot, world.clock[NOW] + span_without_contact(world, own, body, slot))
+    """After a change of velocity: bound every pair of the body anew, which is up to date."""
+    lists, now = world.lists, world.clock[NOW]
+    begin = int(lists.spans[body, BEGIN])
+    end = begin + int(lists.spans[body, COUNT])
+    if is_sphere(world, body):
+        ball = ball_now(world, body)
+        for entry in range(begin, end):
+            partner = int(lists.links[entry, PARTNER])
+            if is_sphere(world, partner):
+                hold_until(world, entry, now + meeting_of_balls(world, entry, ball, ball_now(world, partner))[0])
+            else:
+                predict_pair(world, entry, flight_now(world, body))
+    else:
+        own = flight_now(world, body)
+        for entry in range(begin, end):
+            predict_pair(world, entry, own)
 
 
 @kernel
 def reschedule(world, body):
     """The body waits for the earliest of its pairs, or for its escape."""
-    times = world.lists.time[body]
+    numbers, span = world.lists.numbers, world.lists.spans[body]
+    begin = int(span[BEGIN])
     earliest, what = world.anchors[body, ESCAPE_TIME], ESCAPE
-    for slot in range(world.lists.count[body]):
-        if times[slot] < earliest:
-            earliest, what = times[slot], slot
+    for slot in range(int(span[COUNT])):
+        if numbers[begin + slot, EVENT] < earliest:
+            earliest, what = numbers[begin + slot, EVENT], slot
     schedule(world.calendar, body, earliest, what)
 
 
 @kernel
-def look(world, body, slot):
-    """One step of the certified shoot for the pair in this slot. -> whether it touches now, and the rate of its gap."""
-    clock, pair = world.clock, world.lists.pair[body, slot]
-    link = world.pairs.link[pair]
+def look(world, body, entry):
+    """Bring a pair up to date and see whether it touches. If not, it waits for its next look. -> touches, rate of the gap, normal."""
+    partner, now = int(world.lists.links[entry, PARTNER]), world.clock[NOW]
     world.tally[LOOKS] += 1
-    advance(world.bodies[link[BODY_A]], clock[NOW])
-    advance(world.bodies[link[BODY_B]], clock[NOW])
-    a, b = flight_now(world.bodies[link[BODY_A]], clock), flight_now(world.bodies[link[BODY_B]], clock)
-    r = separation_now(world, link, a, b, 1)
-    n, converged = renew_plane(world.pairs.plane[pair], a, b, r, 1, EXACT)
-    gap, rate, bend, supports = pair_motion(a, b, r, n, clock)
+    advance(world.bodies[body], world.kinds[kind_of(world, body)], now)
+    advance(world.bodies[partner], world.kinds[kind_of(world, partner)], now)
+    if is_sphere(world, body) and is_sphere(world, partner):
+        return _look_at_balls(world, entry, ball_now(world, body), ball_now(world, partner))
+    return _look_at_ellipsoids(world, entry, flight_now(world, body), flight_now(world, partner))
+
+
+@kernel
+def _look_at_balls(world, entry, own, other):
+    span, gap, rate, r = meeting_of_balls(world, entry, own, other)
+    now, reach = world.clock[NOW], (own[2] + other[2]) * size_now(world.clock)
+    if rate < 0 and (gap <= TOUCHING * reach or now + span == now):
+        return True, rate, scale(1.0 / norm(r), r)
+    hold_until(world, entry, now + span)
+    return False, rate, r
+
+
+@kernel
+def _look_at_ellipsoids(world, entry, own, other):
+    """One step of the certified shoot."""
+    clock = world.clock
+    r = imaged(world, entry, subtract(other[0], own[0]))
+    n, converged = plane(own, other, r, direction_of(world.lists, entry), EXACT)
+    gap, rate, bend, supports = pair_motion(own, other, r, n, clock)
     time = clock[NOW] + min(holding_time(gap, rate, bend), clock[HORIZON])
     if rate < 0 and converged and (gap <= TOUCHING * supports or time == clock[NOW]):
-        return True, rate
-    hold(world, body, slot, time)
-    return False, rate
+        return True, rate, n
+    hold(world, entry, own, other, n)
+    hold_until(world, entry, time)
+    return False, rate, n

@@ -23,7 +23,7 @@ from edmd.state import EPOCH, GROWTH, NOW, SIZE
 from edmd.system import System
 from edmd.tolerances import OVERLAP
 
-FORMAT = 2                  # of what `save` writes
+FORMAT = 3                  # of what `save` writes
 FASTEST = 2.0               # speed of a growing surface, in thermal speeds, beyond which compression has no physics
 GIVE_UP = 1e10              # reduced pressure at which a compression to a packing fraction ends in vain
 JAMMED = 1e12               # reduced pressure beyond which float64 cannot resolve the gaps

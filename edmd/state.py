@@ -8,49 +8,51 @@ from typing import NamedTuple
 
 import numpy as np
 
-# bodies: one row of 32 numbers (four cache lines) a body
-POSITION, VELOCITY, TURNING, VECTORS = 0, 3, 6, 9        # TURNING: angular velocity at which the shape turns; VECTORS: semi-axis vectors
-TIME, BEND = 18, 19                                      # BEND: bound on the curvature of the support function in time, eq. (7)
-ORIENTATION, SEMI_AXES = 20, 24
-INVERSE_MASS, INVERSE_INERTIA, SPREAD, LARGEST, MARGIN_LENGTH = 27, 28, 29, 30, 31
-BODY_ROW = 32
+# bodies: three cache lines a body, the first of which is all that a sphere needs. MOMENTUM: angular, constant in flight; VECTORS: semi-axes
+POSITION, VELOCITY, TIME, KIND = 0, 3, 6, 7
+VECTORS, MOMENTUM, ORIENTATION = 8, 17, 20
+BODY_ROW = 24
 
-# anchors: where a body was, at which size, when its list was made
-# (the first cache line, of eight numbers, is all that the search for neighbours needs of a body that is too far)
-ANCHOR_POSITION, ANCHOR_RADIUS, ANCHOR_MARGIN, ANCHOR_SIZE, ESCAPE_TIME = 0, 3, 4, 5, 6
-ANCHOR_VECTORS, ANCHOR_ORIENTATION = 8, 17
-ANCHOR_ROW = 24
+# kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; ACROSS: inverse moment of the turning of
+# the shape, 0 for spheres; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7)
+SEMI_AXES, INVERSE_MASS, INVERSE_MOMENTS, AXIS, ACROSS, SPREAD, LARGEST, BENDING, MARGIN_LENGTH = 0, 3, 4, 7, 8, 9, 10, 11, 12
+KIND_ROW = 16
 
-# pairs: one cache line a pair, which both arrays name. link: the two bodies, their slots in each other's lists, the periodic image of the
-# second, as integers in the first half of the line; plane: normal and lambda in the other half.
-BODY_A, BODY_B, SLOT_A, SLOT_B, SHIFT = 0, 1, 2, 3, 4
-NORMAL, PENCIL = 4, 7
-PAIR_ROW = 8
+# anchors: where a body was, at which size, when its list was made; the search for neighbours needs the first half only of a body too far
+ANCHOR_POSITION, ANCHOR_RADIUS, ANCHOR_MARGIN, ANCHOR_SIZE, ESCAPE_TIME, ANCHOR_VECTORS = 0, 3, 4, 5, 6, 7
+ANCHOR_ROW = 16
+
+# entries of the neighbour lists: one cache line for each neighbour of each body, which four arrays of different types show.
+# numbers: the partner's side of the gap (prediction.py) as it was at SINCE, and the pair's EVENT time; directions: NORMAL, towards the
+# partner; images: the partner is this many cell vectors away from where it is stored; links: the partner, and the pair's entry in its list
+SIDE, SIDE_RATE, SIDE_BEND, SINCE, EVENT = 2, 3, 4, 5, 6
+NORMAL, IMAGE, PARTNER, TWIN = 0, 12, 14, 15
+ENTRY_ROW = 8
+
+# spans of the lists among the entries
+BEGIN, COUNT, ROOM = 0, 1, 2
+SPAN_ROW = 4
 
 # clock: NOW and every time in the world count from EPOCH. REACH: longest semi-axis plus margin of all bodies at size 1; REACH_SIZE: the
 # largest size of an anchor. REFINE: a time, see tolerances. ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral
-# up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions.
-NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE = range(12)
+# up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions. ROUNDING: of a position in the cell.
+NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE, ROUNDING = range(13)
 CLOCK_ROW = 16
 
-# tally
-COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, FREE_PAIRS, STANDING = range(8)
+# tally. ENTRIES: how many rows of the entries are taken
+COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING = range(8)
 TALLY_ROW = 16
 
 
 class Lists(NamedTuple):
     """Neighbour lists. A pair's earliest possible contact stands in the list of the body that predicted it last, inf in the other."""
 
-    count: np.ndarray       # int32 (n,)
-    partner: np.ndarray     # int32 (n, room)
-    pair: np.ndarray        # int32 (n, room)
-    time: np.ndarray        # float64 (n, room)
-
-
-class Pairs(NamedTuple):
-    plane: np.ndarray       # float64 (pairs, PAIR_ROW)
-    link: np.ndarray        # int32 (pairs, 2 PAIR_ROW), a view of plane
-    free: np.ndarray        # int32 (pairs,): stack of unused rows
+    spans: np.ndarray       # int32 (n, SPAN_ROW)
+    numbers: np.ndarray     # float64 (entries, 8)
+    directions: np.ndarray  # float32 (entries, 16), the same memory
+    links: np.ndarray       # int32 (entries, 16), the same memory
+    images: np.ndarray      # int8 (entries, 64), the same memory
+    seen: np.ndarray        # int64 (n,): the rebuild that saw a body last
 
 
 class Grid(NamedTuple):
@@ -75,10 +77,10 @@ class Calendar(NamedTuple):
 
 class World(NamedTuple):
     bodies: np.ndarray      # float64 (n, BODY_ROW)
+    kinds: np.ndarray       # float64 (kinds, KIND_ROW)
     image: np.ndarray       # int32 (n, 3)
     anchors: np.ndarray     # float64 (n, ANCHOR_ROW)
     lists: Lists
-    pairs: Pairs
     grid: Grid
     calendar: Calendar
     clock: np.ndarray       # float64 (CLOCK_ROW,)
