@@ -25,10 +25,10 @@ def build_world(system):
     _check_cell(system, longest.max())
     clock = np.zeros(state.CLOCK_ROW)
     clock[state.SIZE] = 1.0
-    clock[state.HORIZON] = 1e300
     clock[state.REACH] = longest.max()
     speed = np.sqrt((system.velocities**2).sum(axis=1).mean())
-    clock[state.REFINE] = REFINE_BELOW * kinds[kind, state.MARGIN_LENGTH].mean() / speed if speed > 0 else 0.0
+    clock[state.HORIZON] = kinds[kind, state.MARGIN_LENGTH].mean() / speed if speed > 0 else 1e300
+    clock[state.REFINE] = REFINE_BELOW * clock[state.HORIZON] if speed > 0 else 0.0
     clock[state.ROUNDING] = 8 * np.finfo(float).eps * np.abs(system.box).sum()
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)

@@ -39,7 +39,7 @@ from edmd.state import (
     VELOCITY,
     VIRIAL,
 )
-from edmd.tolerances import EPOCH_COLLISIONS, EPOCH_LEAST, GROWTH_HORIZON, REFINE_BELOW
+from edmd.tolerances import EPOCH_COLLISIONS, EPOCH_LEAST, GROWTH_HORIZON, HORIZON_FREE_TIMES, REFINE_BELOW
 
 
 @kernel
@@ -47,8 +47,7 @@ def start_epoch(world):
     """Count every time, and every sum, from now on. The mean free time of the epoch that ends decides when planes are renewed."""
     clock, tally, n = world.clock, world.tally, len(world.bodies)
     now, collisions = clock[NOW], tally[COLLISIONS] - tally[EPOCH_BEGAN]
-    if collisions > 0 and now > 0:
-        clock[REFINE] = REFINE_BELOW * now * n / (2.0 * collisions)
+    free_time = now * n / (2.0 * collisions) if collisions > 0 else 0.0
     tally[EPOCH_BEGAN] = tally[COLLISIONS]
     tally[NEXT_EPOCH] = tally[COLLISIONS] + max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     clock[SIZE] = size_now(clock)
@@ -63,6 +62,21 @@ def start_epoch(world):
             world.lists.numbers[entry, SINCE] -= now
     for node in range(len(world.calendar.time)):
         world.calendar.time[node] -= now
+    if free_time > 0:
+        _pace(world, free_time)
+
+
+@kernel
+def _pace(world, free_time):
+    """Let the mean free time decide when planes are renewed, and how far ahead bounds look: where that changes they are made anew."""
+    clock = world.clock
+    clock[REFINE] = REFINE_BELOW * free_time
+    horizon = HORIZON_FREE_TIMES * free_time
+    if clock[GROWTH] != 0.0:
+        horizon = min(horizon, GROWTH_HORIZON * clock[SIZE] / abs(clock[GROWTH]))
+    if not 0.5 * clock[HORIZON] < horizon < 2.0 * clock[HORIZON]:
+        clock[HORIZON] = horizon
+        predict_all(world)
 
 
 @kernel
@@ -150,7 +164,8 @@ def set_growth(world, growth):
     clock = world.clock
     clock[SIZE] = size_now(clock) - growth * clock[NOW]
     clock[GROWTH] = growth
-    clock[HORIZON] = GROWTH_HORIZON * size_now(clock) / abs(growth) if growth != 0 else 1e300
+    if growth != 0:
+        clock[HORIZON] = min(clock[HORIZON], GROWTH_HORIZON * size_now(clock) / abs(growth))
     status = rebuild_all(world)
     if status == DONE:
         predict_all(world)

@@ -102,9 +102,12 @@ def set_escape(world, body):
     row, kind, anchor, clock = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], world.clock
     size = size_now(clock)
     left = SAFE * anchor[ANCHOR_MARGIN] - displacement(row, kind, anchor, size)
-    speed = speed_of_surface(row, kind, size + abs(clock[GROWTH]) * clock[HORIZON]) + abs(clock[GROWTH]) * kind[LARGEST]
-    span = max(left, 0.0) / speed if speed > 0 else inf
-    anchor[ESCAPE_TIME] = clock[NOW] + min(span, clock[HORIZON])
+    if clock[GROWTH] == 0.0:
+        speed, longest = speed_of_surface(row, kind, size), inf
+    else:
+        longest = clock[HORIZON]
+        speed = speed_of_surface(row, kind, size + abs(clock[GROWTH]) * longest) + abs(clock[GROWTH]) * kind[LARGEST]
+    anchor[ESCAPE_TIME] = clock[NOW] + min(max(left, 0.0) / speed if speed > 0 else inf, longest)
 
 
 @kernel

@@ -66,9 +66,9 @@ def flight_now(world, body):
 
 @kernel
 def flight_support(flight, n, clock):
-    """`support_motion` of a body from its own time, with its growth."""
+    """(value, rate, bend) of a parabola nowhere below size * h(n) of a body within two horizons from now."""
     _, _, spin, vectors, bend, age = flight
-    motion = support_motion(vectors, spin, bend, n, age)
+    motion = support_motion(vectors, spin, bend, n, age, 2 * clock[HORIZON])
     if clock[GROWTH] == 0.0:
         return scale(clock[SIZE], motion)
     return grown(motion, size_now(clock), clock[GROWTH], 2 * clock[HORIZON])
