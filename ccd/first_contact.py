@@ -55,8 +55,7 @@ def support_motion(s, angular_velocity, bend, n, age, reach):
     fourth = (1 / 3) * spin * bend * h
     local = second + max(over_all * (third + over_all * fourth), 0.0)
     local = max(local / h, local / later)
-    if later > 0.5 * h:
-        bend = min(bend, local)
+    bend = min(bend, local) if later > 0.5 * h else bend
     return h + age * (rate + 0.5 * age * bend), rate + age * bend, bend
 
 

@@ -11,6 +11,7 @@ from edmd.events import Ended
 from edmd.flight import advance_all, set_vectors
 from edmd.inertia import rotational_degrees, shape_turning
 from edmd.neighbors import DONE
+from edmd.prediction import COLUMNS
 from edmd.state import Calendar, Grid, Lists, World
 from edmd.system import wrap
 from edmd.tolerances import CELL_FRACTION, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, MORE_ROOM, REFINE_BELOW
@@ -34,7 +35,7 @@ def build_world(system):
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     tally[state.ENTRIES] = n * LIST_ROOM
     world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
-                  _grid(system, 2 * longest.max()), _calendar(n), clock, tally)
+                  _grid(system, 2 * longest.max()), _calendar(n), clock, tally, np.zeros(COLUMNS))
     clock[state.ENERGY] = kinetic_energy(world)
     world, status = with_room(world, rebuild_all)
     if status != DONE:
@@ -88,7 +89,7 @@ def unflattened(arrays):
     for name in ("bodies", "anchors"):
         fields[name] = _aligned_copy(arrays[name])
     lists = _views(np.ascontiguousarray(arrays["lists.spans"]), _aligned_copy(arrays["lists.numbers"]), arrays["lists.seen"])
-    return World(lists=lists, **{name: arrays[name] for name in ("kinds", "image", "clock", "tally")}, **fields)
+    return World(lists=lists, **{name: arrays[name] for name in ("kinds", "image", "clock", "tally", "columns")}, **fields)
 
 
 def cell_too_small(box):

@@ -47,6 +47,8 @@ from edmd.state import (
 )
 
 ESCAPE = int(EventKind.ESCAPE)
+BLOCK, WIDTH = 32, 8                    # entries bounded at once, and a multiple of the lanes of a vector instruction
+NORMALS, SIDES, RATES, BENDS, AGES, SPANS, COLUMNS = (BLOCK * column for column in (0, 3, 4, 5, 6, 7, 8))
 
 
 @kernel
@@ -184,33 +186,63 @@ def hold_until(world, entry, time):
 
 
 @kernel
-def predict_pair(world, entry, own):
-    """Bound the first contact of one pair, from now on."""
-    clock, lists = world.clock, world.lists
-    span = span_of_sides(world, entry, own, direction_of(lists, entry))
-    if span < clock[REFINE] or clock[NOW] - lists.numbers[entry, SINCE] > clock[HORIZON]:
-        span = max(span, renew(world, entry, own))
-    hold_until(world, entry, clock[NOW] + span)
-
-
-@kernel
 def predict(world, body):
     """After a change of velocity: bound every pair of the body anew, which is up to date."""
-    lists, now = world.lists, world.clock[NOW]
+    lists = world.lists
     begin = int(lists.spans[body, BEGIN])
     end = begin + int(lists.spans[body, COUNT])
     if is_sphere(world, body):
-        ball = ball_now(world, body)
+        ball, now = ball_now(world, body), world.clock[NOW]
         for entry in range(begin, end):
             partner = int(lists.links[entry, PARTNER])
             if is_sphere(world, partner):
                 hold_until(world, entry, now + meeting_of_balls(world, entry, ball, ball_now(world, partner))[0])
             else:
-                predict_pair(world, entry, flight_now(world, body))
+                _predict_block(world, entry, entry + 1, flight_now(world, body))
     else:
         own = flight_now(world, body)
-        for entry in range(begin, end):
-            predict_pair(world, entry, own)
+        for first in range(begin, end, BLOCK):
+            _predict_block(world, first, min(first + BLOCK, end), own)
+
+
+@kernel
+def _predict_block(world, begin, end, own):
+    """Bound the pairs of some entries of a body: in columns, so that the arithmetic becomes vector instructions (`_bound_columns`)."""
+    lists, clock, column = world.lists, world.clock, world.columns
+    now = clock[NOW]
+    for entry in range(begin, end):
+        k, number, n = entry - begin, lists.numbers[entry], lists.directions[entry]
+        column[NORMALS + k], column[NORMALS + BLOCK + k], column[NORMALS + 2 * BLOCK + k] = n[NORMAL], n[NORMAL + 1], n[NORMAL + 2]
+        column[SIDES + k], column[RATES + k], column[BENDS + k] = number[SIDE], number[SIDE_RATE], number[SIDE_BEND]
+        column[AGES + k] = now - number[SINCE]
+    _bound_columns(column, (end - begin + WIDTH - 1) // WIDTH * WIDTH, own,
+                   (size_now(clock), clock[GROWTH], 2 * clock[HORIZON], clock[ROUNDING]))
+    for entry in range(begin, end):
+        k, twin = entry - begin, lists.links[entry, TWIN]
+        number, there = lists.numbers[twin], 0.0
+        if lists.links[entry, IMAGE // 4] != 0:
+            there = dot(direction_of(lists, entry), imaged(world, entry, (0.0, 0.0, 0.0)))
+        number[SIDE], number[SIDE_RATE], number[SIDE_BEND] = there - column[SIDES + k], -column[RATES + k], column[BENDS + k]
+        number[SINCE], number[EVENT] = now, inf
+        span = column[SPANS + k]
+        if span < clock[REFINE] or column[AGES + k] > clock[HORIZON]:
+            span = max(span, renew(world, entry, own))
+        lists.numbers[entry, EVENT] = now + min(span, clock[HORIZON])
+
+
+@kernel
+def _bound_columns(column, size, own, growing):
+    """How long the planes hold; the body's own sides take the place of its neighbours'. own: up to date."""
+    position, velocity, spin, vectors, bend, _ = own
+    factor, growth, horizon, rounding = growing
+    for k in range(size):
+        n = (column[NORMALS + k], column[NORMALS + BLOCK + k], column[NORMALS + 2 * BLOCK + k])
+        height, rising, bending = grown(support_motion(vectors, spin, bend, n, 0.0, horizon), factor, growth, horizon)
+        top, top_rate, age = dot(n, position) + height, dot(n, velocity) + rising, column[AGES + k]
+        rate = column[RATES + k] - age * column[BENDS + k]
+        gap = column[SIDES + k] + 0.5 * age * (column[RATES + k] + rate) - top - rounding
+        column[SPANS + k] = holding_time(gap, rate - top_rate, column[BENDS + k] + bending)
+        column[SIDES + k], column[RATES + k], column[BENDS + k] = top, top_rate, bending
 
 
 @kernel

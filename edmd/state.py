@@ -85,3 +85,4 @@ class World(NamedTuple):
     calendar: Calendar
     clock: np.ndarray       # float64 (CLOCK_ROW,)
     tally: np.ndarray       # int64 (TALLY_ROW,)
+    columns: np.ndarray     # float64: where `prediction.predict` works, nothing to keep
