@@ -255,11 +255,13 @@ def _mark_listed(world, body):
 
 
 @kernel
-def _listed(world, body, other, shift):
-    """Whether this image of another body is on the list."""
+def _listed(world, body, other, shift, one_image):
+    """Whether this image of another body is on the list; one_image: no other can be near."""
     lists, begin = world.lists, int(world.lists.spans[body, BEGIN])
     if lists.seen[other] != world.tally[REBUILDS]:
         return False
+    if one_image:
+        return True
     for entry in range(begin, begin + int(lists.spans[body, COUNT])):
         if lists.links[entry, PARTNER] == other:
             image = lists.images[entry]
@@ -276,6 +278,7 @@ def _search(world, body):
     reach = anchor[ANCHOR_RADIUS] + world.clock[REACH] * world.clock[REACH_SIZE]
     f = fraction(load(anchor, ANCHOR_POSITION), grid.inverse)
     left = reach * reach / grid.heights[3]
+    one_image = min(grid.heights[0], grid.heights[1], grid.heights[2]) > 2 * reach
     for i in _layers(grid, 0, f[0], left):
         ci, shift_i = _wrapped(i, grid.shape[0])
         left_i = left - _beside(grid, 0, f[0], i)
@@ -283,7 +286,8 @@ def _search(world, body):
             cj, shift_j = _wrapped(j, grid.shape[1])
             for k in _layers(grid, 2, f[2], left_i - _beside(grid, 1, f[1], j)):
                 ck, shift_k = _wrapped(k, grid.shape[2])
-                status = _search_cell(world, body, (ci * grid.shape[1] + cj) * grid.shape[2] + ck, (shift_i, shift_j, shift_k))
+                cell = (ci * grid.shape[1] + cj) * grid.shape[2] + ck
+                status = _search_cell(world, body, cell, (shift_i, shift_j, shift_k), one_image)
                 if status != DONE:
                     return status
     return DONE
@@ -319,7 +323,7 @@ def _beside(grid, side, f, cell):
 
 
 @kernel
-def _search_cell(world, body, cell, shift):
+def _search_cell(world, body, cell, shift, one_image):
     anchors = world.anchors
     image = displaced((0.0, 0.0, 0.0), world.grid.box, shift[0], shift[1], shift[2])
     here = subtract(load(anchors[body], ANCHOR_POSITION), image)
@@ -329,7 +333,7 @@ def _search_cell(world, body, cell, shift):
         within = anchors[body, ANCHOR_RADIUS] + anchors[other, ANCHOR_RADIUS]
         if dot(r, r) < within * within:
             itself = other == body and shift[0] == 0 and shift[1] == 0 and shift[2] == 0
-            if not itself and not _listed(world, body, other, shift):
+            if not itself and not _listed(world, body, other, shift, one_image):
                 near, n = _near(world, body, other, r)
                 if near:
                     if other == body:
