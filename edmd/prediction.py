@@ -161,20 +161,28 @@ def is_sphere(world, body):
 
 
 @kernel
+def meeting(r, v, reach, growing):
+    """How long until two spheres meet, eq. (9b), inf for never; r, v: between their centres, reach: sum of the radii, growing: its rate.
+
+    No jump: whether they come nearer is a toss.
+    """
+    closing, opening = dot(r, v) - reach * growing, dot(v, v) - growing * growing
+    distance = norm(r)
+    apart = max(distance - reach, 0.0) * (distance + reach)
+    square = closing * closing - opening * apart
+    root = sqrt(max(square, 0.0))
+    over, under = (apart, root - closing) if closing < 0 else (closing + root, -opening)
+    return inf if (square < 0) | (under <= 0) else over / under
+
+
+@kernel
 def meeting_of_balls(world, entry, own, other):
-    """How long until two spheres meet, eq. (9b), inf for never; besides their distance, its rate and the vector between the centres."""
+    """`meeting` of two balls, besides their gap, its rate and the vector between the centres."""
     clock, reach = world.clock, own[2] + other[2]
     r, v = imaged(world, entry, subtract(other[0], own[0])), subtract(other[1], own[1])
-    distance, reach, growing = norm(r), reach * size_now(clock), reach * clock[GROWTH]
-    gap, closing, opening = distance - reach, dot(r, v) - reach * growing, dot(v, v) - growing * growing
-    apart = max(gap, 0.0) * (distance + reach)
-    square = closing * closing - opening * apart
-    span = inf
-    if square >= 0 and closing < 0:
-        span = apart / (sqrt(square) - closing)
-    elif opening < 0:
-        span = (closing + sqrt(square)) / -opening
-    return span, gap, dot(r, v) / distance - growing, r
+    distance, growing = norm(r), reach * clock[GROWTH]
+    reach *= size_now(clock)
+    return meeting(r, v, reach, growing), distance - reach, dot(r, v) / distance - growing, r
 
 
 @kernel
@@ -188,28 +196,47 @@ def hold_until(world, entry, time):
 @kernel
 def predict(world, body):
     """After a change of velocity: bound every pair of the body anew, which is up to date."""
-    lists = world.lists
-    begin = int(lists.spans[body, BEGIN])
-    end = begin + int(lists.spans[body, COUNT])
+    begin = int(world.lists.spans[body, BEGIN])
+    end = begin + int(world.lists.spans[body, COUNT])
     if is_sphere(world, body):
-        ball, now = ball_now(world, body), world.clock[NOW]
-        for entry in range(begin, end):
-            partner = int(lists.links[entry, PARTNER])
-            if is_sphere(world, partner):
-                hold_until(world, entry, now + meeting_of_balls(world, entry, ball, ball_now(world, partner))[0])
-            else:
-                _predict_block(world, entry, entry + 1, flight_now(world, body))
-    else:
-        own = flight_now(world, body)
+        own = ball_now(world, body)
         for first in range(begin, end, BLOCK):
-            _predict_block(world, first, min(first + BLOCK, end), own)
+            _predict_balls(world, body, (first, min(first + BLOCK, end)), own)
+    else:
+        flight = flight_now(world, body)
+        for first in range(begin, end, BLOCK):
+            _predict_block(world, (first, min(first + BLOCK, end)), flight)
 
 
 @kernel
-def _predict_block(world, begin, end, own):
+def _predict_balls(world, body, entries, own):
+    """The meetings of a sphere with some of its neighbours, in columns; those that are no spheres are bounded."""
+    clock, column, lists = world.clock, world.columns, world.lists
+    begin, end = entries
+    now, growth, size = clock[NOW], clock[GROWTH], size_now(clock)
+    for entry in range(begin, end):
+        k, partner = entry - begin, int(lists.links[entry, PARTNER])
+        other = ball_now(world, partner)
+        r, v = imaged(world, entry, subtract(other[0], own[0])), subtract(other[1], own[1])
+        for i in range(3):
+            column[i * BLOCK + k], column[(3 + i) * BLOCK + k] = r[i], v[i]
+        column[AGES + k] = own[2] + other[2]
+    for k in range((end - begin + WIDTH - 1) // WIDTH * WIDTH):
+        reach = column[AGES + k]
+        column[SPANS + k] = meeting((column[k], column[BLOCK + k], column[2 * BLOCK + k]),
+                                    (column[3 * BLOCK + k], column[4 * BLOCK + k], column[5 * BLOCK + k]), size * reach, growth * reach)
+    for entry in range(begin, end):
+        span = column[SPANS + entry - begin]
+        if not is_sphere(world, int(lists.links[entry, PARTNER])):
+            span = renew(world, entry, flight_now(world, body))
+        hold_until(world, entry, now + span)
+
+
+@kernel
+def _predict_block(world, entries, own):
     """Bound the pairs of some entries of a body: in columns, so that the arithmetic becomes vector instructions (`_bound_columns`)."""
     lists, clock, column = world.lists, world.clock, world.columns
-    now = clock[NOW]
+    now, (begin, end) = clock[NOW], entries
     for entry in range(begin, end):
         k, number, n = entry - begin, lists.numbers[entry], lists.directions[entry]
         column[NORMALS + k], column[NORMALS + BLOCK + k], column[NORMALS + 2 * BLOCK + k] = n[NORMAL], n[NORMAL + 1], n[NORMAL + 2]
