@@ -1,5 +1,7 @@
 """The event queue: a tournament tree over bodies. Order is total: by time, then by body."""
 
+from math import inf
+
 from ccd.compiling import kernel
 
 
@@ -18,3 +20,13 @@ def schedule(calendar, body, time, slot):
         if times[node] == time and bodies[node] == winner and winner != body:
             break
         times[node], bodies[node] = time, winner
+
+
+@kernel
+def earliest_rival(calendar, body):
+    """The earliest event of all other bodies: the best of those that the body meets on its way to the root."""
+    node, earliest = body + len(calendar.time) // 2, inf
+    while node > 1:
+        earliest = min(earliest, calendar.time[node ^ 1])
+        node //= 2
+    return earliest

@@ -32,7 +32,7 @@ def advance_events(world, until_time, until_collisions):
             return STALLED
         clock[NOW] = max(time, clock[NOW])
         tally[EVENTS] += 1
-        slot = int(calendar.slot[body])
+        slot, partner, touches = int(calendar.slot[body]), body, False
         if slot == ESCAPE:
             status = escape(world, body)
             if status != DONE:
@@ -43,9 +43,10 @@ def advance_events(world, until_time, until_collisions):
             if touches:
                 partner = int(lists.links[entry, PARTNER])
                 collide(world, body, partner, n, rate)
-                for other in (body, partner):
-                    predict(world, other)
-                    set_escape(world, other)
-                reschedule(world, partner)
-        reschedule(world, body)
+        for turn in range(2 if touches else 1):
+            one = body if turn == 0 else partner
+            if touches:
+                predict(world, one)
+                set_escape(world, one)
+            reschedule(world, one)
     return PAUSED

@@ -15,7 +15,7 @@ from ccd.separation import best_plane, support
 from ccd.tolerances import COARSE, EXACT, TOUCHING
 from ccd.vectors import dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced
-from edmd.calendar import schedule
+from edmd.calendar import earliest_rival, schedule
 from edmd.events import EventKind
 from edmd.flight import advance, kind_of, load_vectors, position_at, turning
 from edmd.state import (
@@ -45,6 +45,7 @@ from edmd.state import (
     VECTORS,
     VELOCITY,
 )
+from edmd.tolerances import IMMINENT
 
 ESCAPE = int(EventKind.ESCAPE)
 BLOCK, WIDTH = 32, 8                    # entries bounded at once, and a multiple of the lanes of a vector instruction
@@ -285,6 +286,19 @@ def reschedule(world, body):
 
 
 @kernel
+def is_next(world, body, entry):
+    """Whether the pair of an entry, just looked at, is what comes next of all events."""
+    numbers, span = world.lists.numbers, world.lists.spans[body]
+    begin, time = int(span[BEGIN]), numbers[entry, EVENT]
+    if time - world.clock[NOW] > IMMINENT * world.clock[REFINE] or time >= world.anchors[body, ESCAPE_TIME]:
+        return False
+    for other in range(begin, begin + int(span[COUNT])):
+        if numbers[other, EVENT] <= time and other != entry:
+            return False
+    return time < earliest_rival(world.calendar, body)
+
+
+@kernel
 def look(world, body, entry):
     """Bring a pair up to date and see whether it touches. If not, it waits for its next look. -> touches, rate of the gap, normal."""
     partner, now = int(world.lists.links[entry, PARTNER]), world.clock[NOW]
@@ -308,7 +322,7 @@ def _look_at_balls(world, entry, own, other):
 
 @kernel
 def _look_at_ellipsoids(world, entry, own, other):
-    """One step of the certified shoot."""
+    """One step of the certified shoot. Just before a contact the plane on record stays: it is near enough to start from."""
     clock = world.clock
     r = imaged(world, entry, subtract(other[0], own[0]))
     n, converged = plane(own, other, r, direction_of(world.lists, entry), EXACT)
@@ -316,6 +330,7 @@ def _look_at_ellipsoids(world, entry, own, other):
     time = clock[NOW] + min(holding_time(gap, rate, bend), clock[HORIZON])
     if rate < 0 and converged and (gap <= TOUCHING * supports or time == clock[NOW]):
         return True, rate, n
-    hold(world, entry, own, other, n)
+    if time - clock[NOW] > IMMINENT * clock[REFINE]:
+        hold(world, entry, own, other, n)
     hold_until(world, entry, time)
     return False, rate, n

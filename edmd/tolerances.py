@@ -5,6 +5,7 @@ REBUILD_BEYOND = 0.7        # fraction of the margin that a body has really come
 SURELY_NEAR = 0.7           # fraction of the sum of margins below which a neighbour stays without a better plane
 SAFE = 1 - 1e-9             # factor on margins: covers the rounding of the displacement
 REFINE_BELOW = 0.5          # a pair's plane is renewed when it holds for less than this, in units of the mean free time
+IMMINENT = 0.05             # a contact nearer than this, in units of that time, is looked at again without a new plane on record
 HORIZON_FREE_TIMES = 3.0    # how far ahead a bound of a pair looks, in mean free times
 EPOCH_COLLISIONS = 4        # collisions per body between two upkeeps (and at least EPOCH_LEAST in all)
 EPOCH_LEAST = 64
