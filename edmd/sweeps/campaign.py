@@ -91,10 +91,14 @@ def carry_out(function_or_config, grid, directory, scheduler, workers, slurm, se
                     _do(todo, retries, failed, account, scheduler, workers, slurm or {})
             except (KeyboardInterrupt, SweepStopped, ClusterLost) as problem:
                 stopped = problem
+            except OSError as problem:
+                stopped = SweepStopped(f"the directory cannot be written: {problem}")
         results = {run.name: result_of(directory, run) for run in runs}
         table = table_of(runs, results, failed)
         try:
-            files = [*write_table(directory, table), *draw_summary(directory, table, parameters, **plot)]
+            files = write_table(directory, table)
+            if stopped is None:
+                files += draw_summary(directory, table, parameters, **plot)
         except OSError as problem:
             stopped = stopped or SweepStopped(f"the table could not be written: {problem}")
     if stopped is not None:

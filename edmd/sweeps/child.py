@@ -19,7 +19,10 @@ loading = False                 # a script is being read for its function
 
 
 def main():
-    task = json.loads(sys.stdin.buffer.readline())
+    line = sys.stdin.buffer.readline()
+    if not line:
+        return INTERRUPTED
+    task = json.loads(line)
     threading.Thread(target=_end_with_input, daemon=True).start()
     directory = Path(task["directory"])
     try:
@@ -31,6 +34,7 @@ def main():
         return INTERRUPTED
     except Exception as problem:
         traceback.print_exc()
+        print(*([] if "config" in task else [f"{type(problem).__name__}:"]), *str(problem).split(), flush=True)        # the words told
         causes = [problem, problem.__cause__]
         if any(isinstance(one, OSError) and one.errno in FULL for one in causes):
             return DISK_FULL
@@ -54,21 +58,22 @@ def _follow(document, directory):
     (directory / "config.toml").write_text(config_text(document))
     simulation = None
     if path.exists() and checkpoint_path(path).exists():
+        print("goes on from its checkpoint", flush=True)
         try:
             simulation = resume(path)
         except ValueError as problem:
-            print(f"starts again: {problem}", flush=True)
+            print(f"starts anew: {problem}", flush=True)
     if simulation is None:
         simulation = run(config, output=path, overwrite=True)
     last = config.stages[-1]
     means = simulation.means if last.kind == "run" else simulation.last_means
-    result = {"packing_fraction": simulation.packing_fraction, **means._asdict(), "nematic_order": simulation.nematic_order,
-              "time": simulation.time, "collisions": simulation.collisions}
+    result = {"packing_fraction": simulation.packing_fraction, "reduced_pressure": means.reduced_pressure}
     if getattr(last, "until_pressure", None) is not None:
         from edmd.packing import closed_gap, contacts_in
 
         contacts = contacts_in(simulation.system, closed_gap(last.until_pressure))
         result |= {"contact_number": contacts.mean, "rattlers": int(contacts.rattlers.sum())}
+    result |= {"nematic_order": simulation.nematic_order, **means._asdict(), "time": simulation.time, "collisions": simulation.collisions}
     return _numbers(result)
 
 

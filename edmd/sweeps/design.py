@@ -32,7 +32,7 @@ def points_of(grid):
         return [dict(zip(grid, combination)) for combination in product(*values)]
     if not isinstance(grid, list | tuple) or not all(isinstance(point, dict) for point in grid):
         raise ValueError(f"grid = {grid!r}: expected a dict of lists of values, or a list of points, which are dicts")
-    return [{key: _plain(f"grid[{i}].{key}", value) for key, value in point.items()} for i, point in enumerate(grid)]
+    return [{key: plain(f"grid[{i}].{key}", value) for key, value in point.items()} for i, point in enumerate(grid)]
 
 
 def random_points(ranges, draws, seed=0):
@@ -95,10 +95,10 @@ def _values(key, values):
     values = values.tolist() if isinstance(values, np.ndarray) else values
     if not isinstance(values, list | tuple | range) or not len(values):
         raise ValueError(f"grid.{key} = {values!r}: expected a list of values")
-    return [_plain(f"grid.{key}", value) for value in values]
+    return [plain(f"grid.{key}", value) for value in values]
 
 
-def _plain(name, value):
+def plain(name, value):
     """A value as JSON gives it back."""
     value = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
     try:

@@ -163,7 +163,10 @@ class Cluster:
 
     @property
     def workers(self):
-        return len(self._client.scheduler_info(n_workers=-1)["workers"])
+        try:
+            return len(self._client.ncores())
+        except OSError as problem:
+            raise self._lost() from problem
 
     def submit(self, task):
         return self._executor.submit(attempt, task)
@@ -172,12 +175,15 @@ class Cluster:
         try:
             return Outcome(*future.result())
         except CancelledError:
-            raise ClusterLost(f"scheduler = {self._address!r}: the cluster went away") from None
+            raise self._lost() from None
         except Exception as problem:            # a worker that died again and again, or has no edmd
             return Outcome("failed", f"{type(problem).__name__}: {problem}".splitlines()[0], 0.0)
 
     def end(self):
         self._executor.shutdown(wait=False)
+
+    def _lost(self):
+        return ClusterLost(f"scheduler = {self._address!r}: the cluster went away")
 
 
 def slurm_cluster(options):

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from edmd.config import document_of, only_known, put, read_config
+from edmd.sweeps.design import plain
 
 OWN = ("seed", "directory")             # what a sweep gives to every run, if it wants it
 
@@ -17,13 +18,11 @@ class Recipe:
     """A config of `edmd run`; parameters are its keys, joined by dots."""
 
     def __init__(self, config):
-        self._document = document_of(config)
+        self._document = plain("config", document_of(config))
         self.identity = {"config": self._document}
 
     def task(self, planned):
-        for own in ("seed", "output.file"):
-            if own in planned.parameters:
-                raise ValueError(f"{own}: every run of a sweep has its own; expected replicas and the seed of the sweep instead")
+        _check_own(planned, ("seed", "output.file"))
         document = document_of(self._document)
         for key, value in planned.parameters.items():
             put(document, key, value)
@@ -42,25 +41,28 @@ class Function:
         if getattr(module, name, None) is not function or file is None:
             raise ValueError(f"function = {function!r}: expected a function at the top of a module or script, which another process can "
                              "import")
-        script = module.__name__ == "__main__"
         place = Path(file).resolve()
-        depth = 0 if script else module.__name__.count(".") + (place.name == "__init__.py")
-        self._task = {"function": name, "file": str(place) if script else None, "module": None if script else module.__name__,
-                      "path": str(place.parents[depth])}
-        self.identity = {"function": f"{place.name if script else module.__name__}:{name}"}
+        home = module.__name__ if module.__name__ != "__main__" else getattr(module.__spec__, "name", None)     # None: a script
+        depth = home.count(".") + (place.name == "__init__.py") if home else 0
+        self._task = {"function": name, "module": home, "file": str(place), "path": str(place.parents[depth])}
+        self.identity = {"function": f"{home or place.name}:{name}"}
         self._takes = inspect.signature(function).parameters
 
     def task(self, planned):
+        _check_own(planned, OWN)
         kinds = {parameter.kind for parameter in self._takes.values()}
         takes = [name for name in self._takes if name not in OWN]
         if inspect.Parameter.VAR_KEYWORD not in kinds:
             only_known("", planned.parameters, takes)
-        for own in OWN:
-            if own in planned.parameters:
-                raise ValueError(f"{own}: every run of a sweep has its own; expected replicas and the seed of the sweep instead")
         missing = [name for name in takes if name not in planned.parameters and self._takes[name].default is inspect.Parameter.empty
                    and self._takes[name].kind in (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)]
         if missing:
             raise ValueError(f"{missing[0]}: the function needs it; expected it in the grid, beside {', '.join(planned.parameters)}")
         given = [own for own in OWN if own in self._takes or inspect.Parameter.VAR_KEYWORD in kinds]
         return self._task | {"given": given}
+
+
+def _check_own(planned, own):
+    for name in own:
+        if name in planned.parameters:
+            raise ValueError(f"{name}: every run of a sweep has its own; expected replicas, and the seed of the sweep, instead")
