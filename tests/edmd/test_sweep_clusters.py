@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import dask
@@ -56,14 +56,20 @@ def at_once(tmp_path_factory):
 
 
 def in_the_middle(directory, act):
-    """Do something while two runs are under way and some are done; -> the thread, and what it did."""
+    """Do something to the processes of runs that are under way, when two others are done; -> the thread, and what it did."""
     done = []
 
+    def under_way():
+        over = {path.parent for path in directory.glob("runs/*/result.json")}
+        found = []
+        for path in directory.glob("runs/*/pid") if len(over) >= 2 else ():
+            if path.parent not in over and (pid := path.read_text()):
+                with suppress(psutil.NoSuchProcess):
+                    found.append(psutil.Process(int(pid)))
+        return found
+
     def watch():
-        wait_for(lambda: len(list(directory.glob("runs/*/result.json"))) >= 2)
-        before = {path.parent for path in directory.glob("runs/*/result.json")}
-        pids = [int(path.read_text() or 0) for path in directory.glob("runs/*/pid") if path.parent not in before]
-        done.append(act(pids))
+        done.append(act(wait_for(under_way)))
 
     thread = threading.Thread(target=watch)
     thread.start()
@@ -73,9 +79,9 @@ def in_the_middle(directory, act):
 def test_a_worker_is_killed_and_then_the_scheduler(at_once, tmp_path):
     directory = tmp_path / "killed"
     with cluster(tmp_path) as (address, scheduler, workers):
-        def kill_a_worker(pids):
+        def kill_a_worker(processes):
             """The Dask worker under whose hands a run is; not the run, which must end by itself."""
-            worker = next(psutil.Process(pid).parent() for pid in pids if psutil.pid_exists(pid))
+            worker = processes[0].parent()
             worker.kill()
             return worker.pid
 
@@ -85,7 +91,7 @@ def test_a_worker_is_killed_and_then_the_scheduler(at_once, tmp_path):
         assert done[0] not in (workers.pid, scheduler.pid, os.getpid())
         assert same_tables(at_once, directory)
 
-        thread, _ = in_the_middle(tmp_path / "lost", lambda pids: scheduler.kill())
+        thread, _ = in_the_middle(tmp_path / "lost", lambda processes: scheduler.kill())
         with pytest.raises(SweepStopped, match=r"the cluster went away; [1-5] of 6 runs are done, and the same command does the rest"):
             edmd.sweep(swept.slow, GRID, tmp_path / "lost", address)
         thread.join()
@@ -119,7 +125,7 @@ def test_slurm(at_once, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
     monkeypatch.setenv("PYTHONPATH", HERE["PYTHONPATH"])
 
-    def kill_a_job(pids):
+    def kill_a_job(processes):
         os.killpg(int((tmp_path / "jobs").read_text().split()[0]), 9)
 
     thread, _ = in_the_middle(directory, kill_a_job)
