@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -190,7 +191,8 @@ def slurm_cluster(options):
     """A dask_jobqueue.SLURMCluster, whose workers end in good time before their jobs do."""
     jobqueue = _needed("dask_jobqueue")
     options = {"cores": 1, "processes": 1, "memory": "2GB", "walltime": WALLTIME} | options
-    options.setdefault("worker_extra_args", ["--lifetime", f"{_lifetime(options['walltime'])}s", "--lifetime-stagger", "30s"])
+    lifetime, margin = _lifetime(options["walltime"])
+    options.setdefault("worker_extra_args", ["--lifetime", f"{lifetime}s", "--lifetime-stagger", f"{margin // 3}s"])
     try:
         return jobqueue.SLURMCluster(**options)
     except TypeError as problem:
@@ -204,19 +206,25 @@ def cores():
 
 
 def _lifetime(walltime):
-    """Seconds after which a worker makes room for the next one: before a walltime of [days-]hours:minutes:seconds is over."""
+    """Seconds after which a worker makes room for the next one, and those that are left of a walltime of [days-]hours:minutes:seconds."""
     days, _, clock = str(walltime).rpartition("-")
     parts = clock.split(":")
     if not all(part.isdigit() for part in [*parts, days or "0"]) or len(parts) != 3:
         raise ValueError(f"slurm.walltime = {walltime!r}: expected [days-]hours:minutes:seconds")
     hours, minutes, seconds = map(int, parts)
     whole = ((int(days or 0) * 24 + hours) * 60 + minutes) * 60 + seconds
-    return int(max(0.9 * whole, whole - 300))
+    margin = min(whole // 10, 300)
+    return whole - margin, margin
 
 
 def _needed(name):
+    """A module of the extra `sweep`. dask_jobqueue takes Ctrl-C for itself when it is imported: that is put back."""
+    handler = signal.getsignal(signal.SIGINT)
     try:
-        return __import__(name)
+        module = __import__(name)
+        if signal.getsignal(signal.SIGINT) is not handler:
+            signal.signal(signal.SIGINT, handler)
+        return module
     except ImportError:
         raise ValueError(f"scheduler: {name.replace('_', '-')} is not installed; expected it from pip install 'edmd[sweep]' (this machine "
                          "alone needs nothing)") from None

@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -136,3 +137,4 @@ def test_slurm(at_once, tmp_path, monkeypatch):
     assert same_tables(at_once, directory)
     assert len((tmp_path / "jobs").read_text().split()) >= 2
     assert {line["status"] for line in logged(directory)} <= {"done", "failed"}
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler            # dask_jobqueue would take it

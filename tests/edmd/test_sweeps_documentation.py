@@ -13,6 +13,7 @@ from test_sweeps import HERE
 
 from edmd.cli import main
 from edmd.sweeps.file import SweepFile
+from edmd.sweeps.pools import slurm_cluster
 
 PAGE = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text()
 
@@ -36,10 +37,9 @@ def test_the_page_runs(tmp_path, monkeypatch):
     assert pyarrow.parquet.read_table("melting/table.parquet").num_rows == 2
     assert pyarrow.parquet.read_table("fluid/table.parquet").num_rows == 2
     assert Path("melting.png").exists()
-    jobqueue = pytest.importorskip("dask_jobqueue")
-    with jobqueue.SLURMCluster(**slurm, interface="lo") as cluster:
+    with slurm_cluster(slurm | {"interface": "lo"}) as cluster:
         script = cluster.job_script()
-    for words in ("#SBATCH -p long", "#SBATCH -A granular", "#SBATCH -t 12:00:00", "activate"):
+    for words in ("--lifetime 42900s", "#SBATCH -p long", "#SBATCH -A granular", "#SBATCH -t 12:00:00", "activate"):
         assert words in script
 
 
