@@ -179,6 +179,8 @@ def _sweep(options):
                       file.replicas, file.retries, file.plot, not options.quiet)
     if not options.quiet:
         _say({"runs": len(swept.table["run"]), "failed": len(swept.failed), "files": ", ".join(map(str, swept.files))})
+        if all(path.suffix != ".parquet" for path in swept.files):
+            print("edmd sweep: no table.parquet without pyarrow: pip install 'edmd[sweep]'", file=sys.stderr)
     if swept.failed:
         print(f"edmd sweep: {failures_in_words(swept)}", file=sys.stderr)
     return FAILED if swept.failed else 0

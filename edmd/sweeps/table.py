@@ -46,6 +46,7 @@ def write_table(directory, columns):
         import pyarrow
         import pyarrow.parquet
     except ImportError:
+        (Path(directory) / PARQUET).unlink(missing_ok=True)         # of an older table
         return written
     data = pyarrow.BufferOutputStream()
     pyarrow.parquet.write_table(pyarrow.table({name: pyarrow.array(column.tolist()) for name, column in columns.items()}), data)

@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from test_runs import datasets
 
 import edmd
 from edmd.cli import main
+from edmd.sweeps.pools import attempt
 
 ROOT = Path(__file__).parents[2]
 HERE = os.environ | {"PYTHONPATH": str(ROOT)}
@@ -102,6 +104,19 @@ def test_called_again_it_does_only_what_is_missing(tmp_path):
     edmd.sweep(swept.counted, {"width": [1, 2, 3, 4]}, directory, replicas=2)
     assert len(calls.read_text().split()) == len(done) + 1
     assert same_tables(directory, tmp_path / "at once")
+
+
+def test_results_of_workers_whose_disk_is_not_ours(tmp_path, monkeypatch):
+    def elsewhere(task, children):
+        outcome = attempt(task, children)
+        shutil.rmtree(task["directory"])
+        return outcome
+
+    monkeypatch.setattr("edmd.sweeps.pools.attempt", elsewhere)
+    assert edmd.sweep(swept.area, GRID, tmp_path / "far")["status"].tolist() == ["done"] * 6
+    monkeypatch.undo()
+    edmd.sweep(swept.area, GRID, tmp_path / "here")
+    assert same_tables(tmp_path / "far", tmp_path / "here")
 
 
 # whose directory it is
@@ -237,6 +252,15 @@ def test_a_config_and_what_it_measures(whole):
         assert table["collisions"][i] == simulation.collisions
         assert 0 <= table["rattlers"][i] < 24
         assert table["contact_number"][i] > 4
+
+
+def test_without_pyarrow_there_is_the_csv(whole, tmp_path, capsys, monkeypatch):
+    directory = shutil.copytree(whole, tmp_path / "moved")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    assert main(["sweep", str(whole.parent / "sweep.toml"), "-o", str(directory)]) == 0
+    assert "no table.parquet without pyarrow: pip install 'edmd[sweep]'" in capsys.readouterr().err
+    assert not (directory / "table.parquet").exists()
+    assert (directory / "table.csv").read_bytes() == (whole / "table.csv").read_bytes()
 
 
 def test_workers_killed_in_the_middle(whole, tmp_path):
