@@ -8,7 +8,8 @@ _HOMES = {"System": "system", "Simulation": "simulation", "Stalled": "simulation
           "random_system": "initial", "thermalized": "initial", "pack": "packing", "Packing": "packing", "Trajectory": "trajectory",
           "read_system": "exchange", "export": "exchange", "run": "runs", "resume": "runs", "read_config": "config",
           "config_text": "config", "Observer": "observers", "Schedule": "observers", "Every": "observers", "Logarithmic": "observers",
-          "Milestones": "observers"}
+          "Milestones": "observers", "sweep": "sweeps.campaign",
+          "random_points": "sweeps.design"}
 __all__ = ["__version__", *_HOMES]
 
 

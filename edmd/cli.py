@@ -77,6 +77,18 @@ def _parser():
     resume.add_argument("file")
     resume.add_argument("--quiet", action="store_true", help="no progress, no summary")
 
+    sweep = command("sweep", _sweep, "do many runs: grids, lists and draws of the parameters of a config, on all cores or on a cluster")
+    sweep.add_argument("file", help="TOML file (docs/sweeps.md)")
+    sweep.add_argument("--scheduler", default=None, help="local, slurm, or the address of a Dask scheduler (tcp://host:8786), instead of "
+                       "that of the file")
+    sweep.add_argument("--workers", type=int, default=None, help="processes, or SLURM jobs, at once (default: those of the file, or all "
+                       "cores)")
+    sweep.add_argument("--set", dest="overrides", metavar="KEY=VALUE", action="append", default=[], help="change a value of the file, such "
+                       "as replicas=5 or run.system.n=500; may be given several times")
+    sweep.add_argument("--seed", type=int, default=None, help="short for --set seed=SEED")
+    sweep.add_argument("-o", "--output", default=None, help="directory of the sweep, instead of that of the file")
+    sweep.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
     info = command("info", _info, "tell what is in a file")
     info.add_argument("file")
     info.add_argument("--contact-gap", type=float, default=1e-5, help="relative gap below which two bodies are in contact")
@@ -155,6 +167,23 @@ def _resume(options):
     from edmd.runs import resume
 
     return _told(options, options.file, resume(options.file, progress=not options.quiet))
+
+
+def _sweep(options):
+    from edmd.sweeps.campaign import carry_out, failures_in_words
+    from edmd.sweeps.file import read_sweep
+
+    short = {"scheduler": options.scheduler, "workers": options.workers, "seed": options.seed, "directory": options.output}
+    file = read_sweep(options.file, [*options.overrides, *(f"{key}={value}" for key, value in short.items() if value is not None)])
+    swept = carry_out(file.config or file.run, file.design(), file.directory, file.scheduler, file.workers, file.slurm, file.seed,
+                      file.replicas, file.retries, file.plot, not options.quiet)
+    if not options.quiet:
+        _say({"runs": len(swept.table["run"]), "failed": len(swept.failed), "files": ", ".join(map(str, swept.files))})
+        if all(path.suffix != ".parquet" for path in swept.files):
+            print("edmd sweep: no table.parquet without pyarrow: pip install 'edmd[sweep]'", file=sys.stderr)
+    if swept.failed:
+        print(f"edmd sweep: {failures_in_words(swept)}", file=sys.stderr)
+    return FAILED if swept.failed else 0
 
 
 def _told(options, path, simulation):

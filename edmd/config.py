@@ -24,15 +24,15 @@ Check = Callable[[str, Any], Any]
 def _number(what, above=-inf, at_least=-inf, below=inf) -> Check:
     def check(name, value):
         if not isinstance(value, int | float) or isinstance(value, bool):
-            raise ValueError(f"{name} = {_toml(value)}: expected {what}")
+            raise ValueError(f"{name} = {as_toml(value)}: expected {what}")
         return checks.real_number(name, value, what, above, at_least, below)
     return check
 
 
-def _whole(what, at_least=0) -> Check:
+def whole_number(what, at_least=0) -> Check:
     def check(name, value):
         if not isinstance(value, int) or isinstance(value, bool) or value < at_least:
-            raise ValueError(f"{name} = {_toml(value)}: expected {what}")
+            raise ValueError(f"{name} = {as_toml(value)}: expected {what}")
         return value
     return check
 
@@ -40,7 +40,7 @@ def _whole(what, at_least=0) -> Check:
 def _one_of(*choices) -> Check:
     def check(name, value):
         if not any(value is choice or (value == choice and type(value) is type(choice)) for choice in choices):
-            raise ValueError(f"{name} = {_toml(value)}: expected one of {', '.join(map(_toml, choices))}{_nearest(value, choices)}")
+            raise ValueError(f"{name} = {as_toml(value)}: expected one of {', '.join(map(as_toml, choices))}{nearest(value, choices)}")
         return value
     return check
 
@@ -48,21 +48,21 @@ def _one_of(*choices) -> Check:
 def _list_of(check_one, length, what) -> Check:
     def check(name, value):
         if not isinstance(value, list | tuple) or not value or (length and len(value) != length):
-            raise ValueError(f"{name} = {_toml(value)}: expected {what}")
+            raise ValueError(f"{name} = {as_toml(value)}: expected {what}")
         return tuple(check_one(f"{name}[{i}]", one) for i, one in enumerate(value))
     return check
 
 
-def _text(what) -> Check:
+def text_value(what) -> Check:
     def check(name, value):
         if not isinstance(value, str) or not value:
-            raise ValueError(f"{name} = {_toml(value)}: expected {what}")
+            raise ValueError(f"{name} = {as_toml(value)}: expected {what}")
         return value
     return check
 
 
 def _bodies(name, value):
-    count = _whole("a whole number of bodies, or one number a species", 1)
+    count = whole_number("a whole number of bodies, or one number a species", 1)
     return _list_of(count, None, "numbers of bodies")(name, value) if isinstance(value, list | tuple) else count(name, value)
 
 
@@ -73,12 +73,12 @@ def _rows(name, value):
 
 def _frames(name, value):
     if not isinstance(value, dict):
-        raise ValueError(f"{name} = {_toml(value)}: expected a table such as {{time = 1.0}}")
+        raise ValueError(f"{name} = {as_toml(value)}: expected a table such as {{time = 1.0}}")
     kinds = {Logarithmic: (*UNITS, "per_decade"), Milestones: ("packing_fraction", "pressure_factor"), Every: UNITS}
-    _only_known(name, value, [*kinds[Logarithmic], *kinds[Milestones]])
+    only_known(name, value, [*kinds[Logarithmic], *kinds[Milestones]])
     kind = Logarithmic if "per_decade" in value else Milestones if set(value) & set(kinds[Milestones]) else Every
     try:
-        _only_known(name, value, kinds[kind])
+        only_known(name, value, kinds[kind])
         kind(**{key: _number("a number")(key, one) for key, one in value.items()})
     except ValueError as problem:
         raise ValueError(f"{name}: {problem}; expected one of {', '.join(UNITS)} (with per_decade: logarithmic), or packing_fraction and "
@@ -106,7 +106,7 @@ class Lattice:
 
     kind = "lattice"
     lattice: Annotated[str, ", ".join(LATTICES), _one_of(*LATTICES)] = "fcc"
-    cells: Annotated[tuple, "unit cells in each direction", _list_of(_whole("a positive whole number", 1), 3, "three whole numbers")
+    cells: Annotated[tuple, "unit cells in each direction", _list_of(whole_number("a positive whole number", 1), 3, "three whole numbers")
                      ] = (4, 4, 4)
     semi_axes: _Axes = (1.25, 1.0, 0.8)
     packing_fraction: _Fraction = 0.3
@@ -121,7 +121,7 @@ class Crystal:
     """parallel bodies on an fcc lattice, surplus sites empty: what `edmd pack` melts"""
 
     kind = "crystal"
-    n: Annotated[int, "number of bodies", _whole("a whole number of bodies", 1)] = 256
+    n: Annotated[int, "number of bodies", whole_number("a whole number of bodies", 1)] = 256
     semi_axes: _Axes = (1.25, 1.0, 0.8)
     start_fraction: Annotated[float | None, "share of the cell that the bodies fill (default: 0.3, or less for shapes that do not fit)",
                               _fraction] = None
@@ -145,8 +145,8 @@ class File:
     """a frame of another run"""
 
     kind = "file"
-    file: Annotated[str, "H5MD file written by edmd", _text("the name of a file")] = "start.h5md"
-    frame: Annotated[int, "which frame; negative counts from the end", _whole("a whole number", -inf)] = -1
+    file: Annotated[str, "H5MD file written by edmd", text_value("the name of a file")] = "start.h5md"
+    frame: Annotated[int, "which frame; negative counts from the end", whole_number("a whole number", -inf)] = -1
     temperature: Annotated[float | None, "draw velocities anew, at this kT (default: those of the frame)", _positive] = None
 
 
@@ -181,7 +181,7 @@ class Compress:
 class Output:
     """what is written, and how often"""
 
-    file: Annotated[str, "H5MD file of the run", _text("the name of a file")] = "run.h5md"
+    file: Annotated[str, "H5MD file of the run", text_value("the name of a file")] = "run.h5md"
     frames: Annotated[dict, "a frame every so much; or {time = 0.01, per_decade = 10}, {packing_fraction = 0.01, pressure_factor = 2.0}",
                       _frames
                       ] = field(default_factory=lambda: {"collisions_per_particle": 10.0})
@@ -206,7 +206,7 @@ class Config:
 
 SYSTEMS = {kind.kind: kind for kind in (Lattice, Crystal, Random, File)}
 STAGES = {kind.kind: kind for kind in (Run, Compress)}
-_seed = _whole("a whole number from 0 on")
+_seed = whole_number("a whole number from 0 on")
 SECTIONS = ("seed", "system", "stage", "output")
 DEFAULT = {"stage": [{"kind": "run", "collisions_per_particle": 100.0}, {"kind": "compress", "until_packing_fraction": 0.5},
                      {"kind": "run", "collisions_per_particle": 100.0}]}
@@ -215,15 +215,33 @@ DEFAULT = {"stage": [{"kind": "run", "collisions_per_particle": 100.0}, {"kind":
 def read_config(source, overrides=()):
     """The Config of a TOML file (its path), of a document (a dict as `tomllib` gives it) or of a Config, with overrides such as
     "system.n=500" or "stage.0.rate=1e-3" (stages count from 0). ValueError says what is wrong, and what would be accepted."""
-    if isinstance(source, Config):
-        document = source.document()
-    elif isinstance(source, dict):
-        document = copy.deepcopy(source)
-    else:
-        document = _parsed(source)
+    document = document_of(source)
     for override in overrides:
-        _override(document, override)
+        put(document, *key_and_value(override))
     return _checked(document)
+
+
+def document_of(source):
+    """What `read_config` takes as a document of its own, not checked yet."""
+    if isinstance(source, Config):
+        return source.document()
+    return copy.deepcopy(source) if isinstance(source, dict) else read_toml(source)
+
+
+def put(document, path, value):
+    """Set a value in a document at a path of keys joined by dots; numbers count in lists, from 0."""
+    keys, place = path.split("."), document
+    for i, key in enumerate(keys):
+        if isinstance(place, list):
+            if not key.isdigit() or int(key) >= len(place):
+                raise ValueError(f"{path}={as_toml(value)}: expected a number from 0 to {len(place) - 1} in place of {key!r}")
+            key = int(key)
+        elif not isinstance(place, dict):
+            raise ValueError(f"{path}={as_toml(value)}: {'.'.join(keys[:i])} is a value and has no {key!r}")
+        if i == len(keys) - 1:
+            place[key] = value
+        else:
+            place = place[key] if isinstance(place, list) else place.setdefault(key, {})
 
 
 def config_text(document=DEFAULT):
@@ -238,66 +256,57 @@ def config_text(document=DEFAULT):
     return "\n\n".join(parts) + "\n"
 
 
-def _parsed(path):
+def read_toml(path, name="config", shown="edmd run --print-config shows one"):
+    """The document in a file. ValueError names the argument, and where such a file is shown."""
     try:
         with open(path, "rb") as file:
             return tomllib.load(file)
     except OSError as problem:
-        raise ValueError(f"config = {str(path)!r}: {problem.strerror}; expected a TOML file (edmd run --print-config shows one)") from None
+        raise ValueError(f"{name} = {str(path)!r}: {problem.strerror}; expected a TOML file ({shown})") from None
     except ValueError as problem:               # TOML that is none, text that is none
-        raise ValueError(f"config = {str(path)!r}: not TOML: {problem}") from None
+        raise ValueError(f"{name} = {str(path)!r}: not TOML: {problem}") from None
 
 
-def _override(document, override):
+def key_and_value(override):
+    """KEY=VALUE, as the command line takes it, as a path of keys and a value."""
     path, equals, text = override.partition("=")
-    keys = path.strip().split(".")
-    if not equals or not all(keys):
+    path = path.strip()
+    if not equals or not all(path.split(".")):
         raise ValueError(f"{override!r}: expected KEY=VALUE, such as system.n=500")
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
+        return path, tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
-        value = text.strip()                    # a word without its quotation marks
-    place = document
-    for i, key in enumerate(keys):
-        if isinstance(place, list):
-            if not key.isdigit() or int(key) >= len(place):
-                raise ValueError(f"{override!r}: expected a number from 0 to {len(place) - 1} in place of {key!r}")
-            key = int(key)
-        elif not isinstance(place, dict):
-            raise ValueError(f"{override!r}: {'.'.join(keys[:i])} is a value and has no {key!r}")
-        if i == len(keys) - 1:
-            place[key] = value
-        else:
-            place = place[key] if isinstance(place, list) else place.setdefault(key, {})
+        return path, text.strip()               # a word without its quotation marks
 
 
 def _checked(document):
-    _only_known("", document, SECTIONS)
+    only_known("", document, SECTIONS)
     stages = document.get("stage", [])
     if not isinstance(stages, list) or not stages:
         raise ValueError("stage: expected at least one [[stage]], such as kind = \"run\", time = 10.0")
     return Config(_seed("seed", document.get("seed", 0)), _of_kind("system", document.get("system", {}), SYSTEMS, "lattice"),
                   tuple(_of_kind(f"stage.{i}", stage, STAGES, None) for i, stage in enumerate(stages)),
-                  _section("output", document.get("output", {}), Output))
+                  checked_section("output", document.get("output", {}), Output))
 
 
 def _of_kind(name, table, kinds, default):
     if not isinstance(table, dict):
-        raise ValueError(f"{name} = {_toml(table)}: expected a table with a kind: {', '.join(map(_toml, kinds))}")
+        raise ValueError(f"{name} = {as_toml(table)}: expected a table with a kind: {', '.join(map(as_toml, kinds))}")
     kind = _one_of(*kinds)(f"{name}.kind", table.get("kind", default))
-    return _section(name, {key: value for key, value in table.items() if key != "kind"}, kinds[kind])
+    return checked_section(name, {key: value for key, value in table.items() if key != "kind"}, kinds[kind])
 
 
-def _section(name, table, section):
+def checked_section(name, table, section):
+    """A table as the dataclass that holds such a section, whose annotations check its values."""
     if not isinstance(table, dict):
-        raise ValueError(f"{name} = {_toml(table)}: expected a table")
-    options = _options(section)
-    _only_known(name, table, options, section)
+        raise ValueError(f"{name} = {as_toml(table)}: expected a table")
+    options, prefix = _options(section), f"{name}." if name else ""
+    only_known(name, table, options, section)
     chosen = getattr(section, "one_of", ())
     if chosen and sum(table.get(key) is not None for key in chosen) != 1:
-        raise ValueError(f"{name}: expected exactly one of {', '.join(chosen)}")
+        raise ValueError(f"{name or 'the file'}: expected exactly one of {', '.join(chosen)}")
     optional = {item.name for item in fields(section) if item.default is None}
-    return section(**{key: None if value is None and key in optional else options[key].__metadata__[1](f"{name}.{key}", value)
+    return section(**{key: None if value is None and key in optional else options[key].__metadata__[1](f"{prefix}{key}", value)
                       for key, value in table.items()})
 
 
@@ -305,14 +314,14 @@ def _options(section):
     return get_type_hints(section, include_extras=True)
 
 
-def _only_known(name, table, known, section=None):
+def only_known(name, table, known, section=None):
     for key in table:
         if key not in known:
-            what = f" with kind = {_toml(section.kind)}" if hasattr(section, "kind") else ""
-            raise ValueError(f"{name + '.' if name else ''}{key}: no such key{what}{_nearest(key, known)}; expected {', '.join(known)}")
+            what = f" with kind = {as_toml(section.kind)}" if hasattr(section, "kind") else ""
+            raise ValueError(f"{name + '.' if name else ''}{key}: no such key{what}{nearest(key, known)}; expected {', '.join(known)}")
 
 
-def _nearest(word, known):
+def nearest(word, known):
     close = get_close_matches(str(word), [str(one) for one in known], 1)
     return f" (did you mean {close[0]}?)" if close else ""
 
@@ -323,20 +332,20 @@ def _document(section):
 
 
 def _kind_lines(section):
-    return _lines(section, {f"kind = {_toml(section.kind)}": type(section).__doc__})
+    return _lines(section, {f"kind = {as_toml(section.kind)}": type(section).__doc__})
 
 
 def _lines(section, first=()):
     lines = dict(first)
     for key, hint in _options(type(section)).items():
         value = getattr(section, key)
-        lines[f"{key} = {_toml(value)}" if value is not None else f"# {key} = ..."] = hint.__metadata__[0]
+        lines[f"{key} = {as_toml(value)}" if value is not None else f"# {key} = ..."] = hint.__metadata__[0]
     return [f"{line:<41} # {about}" for line, about in lines.items()]
 
 
-def _toml(value):
+def as_toml(value):
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_toml(one)}" for key, one in value.items()) + "}"
+        return "{" + ", ".join(f"{key} = {as_toml(one)}" for key, one in value.items()) + "}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_toml, value)) + "]"
+        return "[" + ", ".join(map(as_toml, value)) + "]"
     return json.dumps(value, default=str)

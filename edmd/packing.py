@@ -57,7 +57,7 @@ def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, fluid_rate=None, s
     seed = checks.natural_number("seed", seed)
     melt = checks.real_number("melt", melt, "a number of collisions per particle, not negative", at_least=0)
     until_pressure = checked_pressure(until_pressure)
-    contact_gap = min(WIDEST_GAP, CLOSED / until_pressure) if contact_gap is None else checks.real_number(
+    contact_gap = closed_gap(until_pressure) if contact_gap is None else checks.real_number(
         "contact_gap", contact_gap, "a positive number", above=0)
     start = crystal(n, semi_axes, start_fraction, seed)
     longest = semi_axes.max() * np.cbrt(DENSEST / start.packing_fraction)
@@ -78,6 +78,25 @@ def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, fluid_rate=None, s
         simulation = run(config, overwrite=overwrite, observers=observers)
     seconds = time.process_time() - began
     system = simulation.system
-    pairs = contact_pairs(system.positions, system.orientations, system.semi_axes, system.box, contact_gap)
-    return Packing(system, simulation.packing_fraction, simulation.last_means.reduced_pressure, contact_numbers(pairs, n),
-                   mean_contact_number(pairs, n), rattlers(pairs, n), simulation.nematic_order, simulation.collisions, seconds)
+    contacts = contacts_in(system, contact_gap)
+    return Packing(system, simulation.packing_fraction, simulation.last_means.reduced_pressure, contacts.numbers, contacts.mean,
+                   contacts.rattlers, simulation.nematic_order, simulation.collisions, seconds)
+
+
+class Contacts(NamedTuple):
+    """As in Packing: contact numbers (n,), their mean over the bodies that are held, rattlers (n,)."""
+
+    numbers: np.ndarray
+    mean: float
+    rattlers: np.ndarray
+
+
+def contacts_in(system, gap):
+    """Which bodies touch, mu - 1 < gap, in a jammed state."""
+    pairs = contact_pairs(system.positions, system.orientations, system.semi_axes, system.box, gap)
+    return Contacts(contact_numbers(pairs, system.n), mean_contact_number(pairs, system.n), rattlers(pairs, system.n))
+
+
+def closed_gap(until_pressure):
+    """The gap below which contacts have closed, and near ones have not, in a compression that ended at this reduced pressure."""
+    return min(WIDEST_GAP, CLOSED / until_pressure)

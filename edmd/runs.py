@@ -108,7 +108,7 @@ def _do(simulation, config, trajectory, observers, progress, first=0, memories=N
     kept = [trajectory, *log]
     checkpoint = Checkpoint(checkpoint_path(trajectory.path), config.output.checkpoint, simulation, kept)
     try:
-        with trajectory, _signals_to(checkpoint.stop):
+        with trajectory, signals_to(checkpoint.stop):
             for observer, memory in zip(kept, memories or ()):
                 observer.restore(memory)
             for number, stage in enumerate(config.stages[first:], first):
@@ -173,7 +173,7 @@ def _digest(system):
 
 
 @contextmanager
-def _signals_to(stop):
+def signals_to(stop):
     """Ctrl-C and SIGTERM end a run at the next moment where all is in order; a second one at once. Only the main thread hears signals."""
     if threading.current_thread() is not threading.main_thread():
         yield

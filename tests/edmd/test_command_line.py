@@ -169,7 +169,7 @@ def test_render_of_a_frame_that_is_not_there(packed, frame, capsys, tmp_path):
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["pack", "--help"], ["info", "--help"], ["verify", "--help"],
-                                       ["plot", "--help"], ["render", "--help"], ["export", "--help"]])
+                                       ["plot", "--help"], ["render", "--help"], ["export", "--help"], ["sweep", "--help"]])
 def test_help(arguments, capsys):
     with pytest.raises(SystemExit) as leaving:
         main(arguments)

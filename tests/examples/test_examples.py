@@ -1,4 +1,4 @@
-"""The examples that go with the paper: their figures move as they promise, each runs and leaves its files."""
+"""The examples: the figures of the paper's move as they promise, each runs and leaves its files."""
 
 import sys
 
@@ -12,6 +12,7 @@ import boxers
 import ccd
 import ccd_equation
 import robot_arm
+import sweep_compression_rates
 from figures import arm, boxing
 
 TIMES = np.array([0.0, 0.137, 0.5, 0.731, 1.0])
@@ -191,9 +192,11 @@ def test_shoots_stop_at_the_first_contact():
     (boxers, ["--frames", "40"], ["boxers.png"], "rigid motion, setup 1"),
     (robot_arm, [], ["robot_arm.png"], "W-7"),
     (ccd_equation, [], ["zero_sets.png", "affine_pair.png"], "Example 2: F has degree"),
+    (sweep_compression_rates, ["--replicas", "2"], ["compression_rates.png", "sweep/summary.png"], "rate 0.1   packing fraction 0.6"),
 ], ids=lambda value: getattr(value, "__name__", None))
 def test_each_example_runs_and_leaves_its_files(script, arguments, files, said, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(script, "INSTANTS", (0.0, 0.3), raising=False)         # pictures take most of the time
+    monkeypatch.setattr(script, "RATES", [0.3, 0.1], raising=False)
     monkeypatch.setattr(sys, "argv", [script.__name__, "--folder", str(tmp_path / "out"), *arguments])
     script.main()
     assert said in capsys.readouterr().out

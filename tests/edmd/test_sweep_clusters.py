@@ -1,0 +1,140 @@
+"""A sweep on a Dask cluster, and through SLURM: the same table, whatever is killed on the way."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import dask
+import psutil
+import pytest
+import swept
+from test_sweeps import HERE, logged, same_tables, wait_for
+
+import edmd
+from edmd.sweeps.campaign import SweepStopped
+
+HERE = HERE | {"PYTHONPATH": os.pathsep.join([HERE["PYTHONPATH"], str(Path(swept.__file__).parent)])}
+DASK = [sys.executable, "-m", "dask"]
+GRID = {"width": [1, 2, 3, 4, 5, 6]}
+
+
+@contextmanager
+def started(*commands):
+    """Processes that are ended, with all that they started, at the end."""
+    processes = [subprocess.Popen([*DASK, *each], env=HERE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for each in commands]
+    try:
+        yield processes
+    finally:
+        for process in processes:
+            with_children = [*psutil.Process(process.pid).children(recursive=True), process] if process.poll() is None else []
+            for one in with_children:
+                one.kill()
+            process.wait()
+
+
+@contextmanager
+def cluster(folder):
+    """A scheduler and two workers under their nannies: (address, the scheduler, what started the workers)."""
+    file = folder / "scheduler.json"
+    with started(["scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)],
+                 ["worker", "--scheduler-file", str(file), "--nthreads", "1", "--nworkers", "2", "--no-dashboard",
+                  "--local-directory", str(folder)]) as (scheduler, workers):
+        wait_for(file.exists)
+        yield json.loads(file.read_text())["address"], scheduler, workers
+
+
+@pytest.fixture(scope="module")
+def at_once(tmp_path_factory):
+    """The directory of the sweep on this machine."""
+    directory = tmp_path_factory.mktemp("sweep") / "local"
+    edmd.sweep(swept.slow, GRID, directory)
+    return directory
+
+
+def in_the_middle(directory, act):
+    """Do something to the processes of runs that are under way, when two others are done; -> the thread, and what it did."""
+    done = []
+
+    def under_way():
+        over = {path.parent for path in directory.glob("runs/*/result.json")}
+        found = []
+        for path in directory.glob("runs/*/pid") if len(over) >= 2 else ():
+            if path.parent not in over and (pid := path.read_text()):
+                with suppress(psutil.NoSuchProcess):
+                    found.append(psutil.Process(int(pid)))
+        return found
+
+    def watch():
+        done.append(act(wait_for(under_way)))
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    return thread, done
+
+
+def test_a_worker_is_killed_and_then_the_scheduler(at_once, tmp_path):
+    directory = tmp_path / "killed"
+    with cluster(tmp_path) as (address, scheduler, workers):
+        def kill_a_worker(processes):
+            """The Dask worker under whose hands a run is; not the run, which must end by itself."""
+            worker = processes[0].parent()
+            worker.kill()
+            return worker.pid
+
+        thread, done = in_the_middle(directory, kill_a_worker)
+        edmd.sweep(swept.slow, GRID, directory, address)
+        thread.join()
+        assert done[0] not in (workers.pid, scheduler.pid, os.getpid())
+        assert same_tables(at_once, directory)
+
+        thread, _ = in_the_middle(tmp_path / "lost", lambda processes: scheduler.kill())
+        with pytest.raises(SweepStopped, match=r"the cluster went away; [1-5] of 6 runs are done, and the same command does the rest"):
+            edmd.sweep(swept.slow, GRID, tmp_path / "lost", address)
+        thread.join()
+    edmd.sweep(swept.slow, GRID, tmp_path / "lost")
+    assert same_tables(at_once, tmp_path / "lost")
+
+
+def test_no_cluster_at_this_address(tmp_path, monkeypatch):
+    monkeypatch.setattr("edmd.sweeps.pools.CONNECT_SECONDS", 0.5)
+    with pytest.raises(SweepStopped, match=r"no cluster answers there.*0 of 6 runs are done"):
+        edmd.sweep(swept.slow, GRID, tmp_path / "sweep", "tcp://127.0.0.1:9")
+
+
+SBATCH = """#!/bin/bash
+# SLURM as dask-jobqueue sees it: a job is a script that runs in the background, in a session of its own.
+script=$(mktemp JOBS.XXXXXX)
+cp "${@: -1}" $script
+setsid bash $script > /dev/null 2>&1 < /dev/null &
+echo $! >> JOBS
+echo "Submitted batch job $!"
+"""
+
+
+def test_slurm(at_once, tmp_path, monkeypatch):
+    """The commands of SLURM are replaced, its jobs are real processes; the job is killed in the middle, and another one submitted."""
+    folder, directory = tmp_path / "bin", tmp_path / "sweep"
+    folder.mkdir()
+    for name, text in (("sbatch", SBATCH.replace("JOBS", str(tmp_path / "jobs"))), ("scancel", '#!/bin/bash\nkill -- "-$1"\n')):
+        (folder / name).write_text(text)
+        (folder / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+    monkeypatch.setenv("PYTHONPATH", HERE["PYTHONPATH"])
+
+    def kill_a_job(processes):
+        os.killpg(int((tmp_path / "jobs").read_text().split()[0]), 9)
+
+    thread, _ = in_the_middle(directory, kill_a_job)
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": "1s"}):
+        edmd.sweep(swept.slow, GRID, directory, "slurm", workers=1, slurm={
+            "walltime": "00:10:00", "memory": "1GB", "interface": "lo", "local_directory": str(tmp_path), "log_directory": str(tmp_path)})
+    thread.join()
+    assert same_tables(at_once, directory)
+    assert len((tmp_path / "jobs").read_text().split()) >= 2
+    assert {line["status"] for line in logged(directory)} <= {"done", "failed"}
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler            # dask_jobqueue would take it
