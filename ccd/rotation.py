@@ -25,11 +25,12 @@ def multiply(p, q):
 
 @kernel
 def _series(z):
-    """cos x and sin x / x from z, x squared, below SERIES_BELOW."""
-    c = 1 - z * (1 / 2 - z * (1 / 24 - z * (1 / 720 - z * (1 / 40320 - z * (1 / 3628800 - z * (1 / 479001600
-        - z * (1 / 87178291200)))))))
-    s = 1 - z * (1 / 6 - z * (1 / 120 - z * (1 / 5040 - z * (1 / 362880 - z * (1 / 39916800 - z * (1 / 6227020800
-        - z * (1 / 1307674368000)))))))
+    """cos x and sin x / x from z, x squared, below SERIES_BELOW. In pairs, and pairs of pairs, that the processor adds side by side."""
+    zz = z * z
+    c = (((1 - z * (1 / 2)) + zz * (1 / 24 - z * (1 / 720)))
+         + zz * zz * ((1 / 40320 - z * (1 / 3628800)) + zz * (1 / 479001600 - z * (1 / 87178291200))))
+    s = (((1 - z * (1 / 6)) + zz * (1 / 120 - z * (1 / 5040)))
+         + zz * zz * ((1 / 362880 - z * (1 / 39916800)) + zz * (1 / 6227020800 - z * (1 / 1307674368000))))
     return c, s
 
 
