@@ -25,37 +25,29 @@ MOVED, CORRECTED, BEST = 0.0, 1.0, 2.0                  # how the plane of a sta
 
 
 @kernel
-def curvature(semi_axes, angular_velocity):
-    """A bound on h'' of a turning body for every n and all time, eq. (7) with h >= a_min."""
-    smallest, largest = min(semi_axes), max(semi_axes)
-    return dot(angular_velocity, angular_velocity) * (largest * largest - smallest * smallest) / smallest
+def support_motion(s, turning, n, age, reach):
+    """(value, rate, curvature) of a parabola in time that is nowhere below h(n) of a turning body, from now to `reach`, eqs. (5) to (7d).
 
-
-@kernel
-def support_motion(s, angular_velocity, bend, n, age, reach):
-    """(value, rate, curvature) of a parabola in time that is nowhere below h(n) of a turning body, from now to `reach`, eqs. (5) to (7c).
-
-    The semi-axis vectors s are those of `age` ago; the parabola's time counts from now. bend: a bound on h'' for every n and all time.
-    The local one of eq. (7c) is taken where h surely keeps half its value. No sine, no cosine.
+    The semi-axis vectors s are those of `age` ago; the parabola's time counts from now. turning: (angular velocity and acceleration then,
+    a bound on h'' for every n and all time, a bound on a sixth of the third derivative of h^2, 1 if the angular velocity is constant or
+    else 0); if so the third derivative is taken as it is. The local bound is used where h surely keeps half its value. No sine, no cosine.
     """
-    over_all = age + reach
+    spin, acceleration, bend, swerve, steady = turning
+    until = age + reach
     p, q, w = dot(s[0], n), dot(s[1], n), dot(s[2], n)
-    turning = cross(n, angular_velocity)
-    turned = cross(turning, angular_velocity)
-    dp, dq, dw = dot(s[0], turning), dot(s[1], turning), dot(s[2], turning)
-    ddp, ddq, ddw = dot(s[0], turned), dot(s[1], turned), dot(s[2], turned)
-    square = p * p + q * q + w * w
-    h = sqrt(square)
+    seen = cross(n, spin)
+    twice = add(cross(seen, spin), cross(n, acceleration))
+    dp, dq, dw = dot(s[0], seen), dot(s[1], seen), dot(s[2], seen)
+    ddp, ddq, ddw = dot(s[0], twice), dot(s[1], twice), dot(s[2], twice)
+    h = sqrt(p * p + q * q + w * w)
     half_rate = p * dp + q * dq + w * dw
     rate = half_rate / h
-    later = h + rate * over_all
-    spin = dot(angular_velocity, angular_velocity)
+    later = h + rate * until
+    square = steady * dot(spin, spin)
     second = dp * dp + dq * dq + dw * dw + p * ddp + q * ddq + w * ddw - rate * rate
-    third = dp * ddp + dq * ddq + dw * ddw - (1 / 3) * spin * half_rate
-    fourth = (1 / 3) * spin * bend * h
-    local = second + max(over_all * (third + over_all * fourth), 0.0)
-    local = max(local / h, local / later)
-    bend = min(bend, local) if later > 0.5 * h else bend
+    third = swerve + steady * (dp * ddp + dq * ddq + dw * ddw) - (1 / 3) * square * half_rate
+    over = second + max(until * (third + until * ((1 / 3) * square * bend * h)), 0.0)
+    bend = min(bend, max(over / h, over / later)) if later > 0.5 * h else bend
     return h + age * (rate + 0.5 * age * bend), rate + age * bend, bend
 
 

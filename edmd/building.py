@@ -8,8 +8,8 @@ from ccd.precession import symmetry_axes
 from edmd import state
 from edmd.epoch import kinetic_energy, rebuild_all, reschedule_all
 from edmd.events import Ended
-from edmd.flight import advance_all, set_vectors
-from edmd.inertia import rotational_degrees, shape_turning
+from edmd.flight import advance_all, set_vectors, turn_still
+from edmd.inertia import STEADY, angular_momenta, motions
 from edmd.neighbors import DONE
 from edmd.prediction import COLUMNS
 from edmd.state import Calendar, Grid, Lists, World
@@ -55,22 +55,23 @@ def with_room(world, action, *arguments):
 
 
 class Synchronised(NamedTuple):
-    """Bodies at one time: positions (n, 3) inside the cell, velocities (n, 3), orientations (n, 4) and turning (n, 3) of their shapes."""
+    """Bodies at one time: positions (n, 3) inside the cell, velocities (n, 3), orientations (n, 4), angular momenta (n, 3); but for a spin
+    about an axis of revolution, which the world leaves out."""
 
     positions: np.ndarray
     velocities: np.ndarray
     orientations: np.ndarray
-    turning: np.ndarray
+    momenta: np.ndarray
 
 
 def synchronised_rows(world, order):
     """The bodies of now in some order (n,), as copies, and the images (n, 3) of their positions. The world is not touched."""
-    rows = world.bodies[order]
-    advance_all(rows, world.kinds, world.clock[state.NOW])
+    rows, now = world.bodies[order], world.clock[state.NOW]
+    advance_all(rows, world.kinds, now)
+    turn_still(rows, world.kinds, world.clock[state.EPOCH] + now)
     positions, outside = wrap(rows[:, state.POSITION:state.POSITION + 3], world.grid.box)
-    across = world.kinds[rows[:, state.KIND].astype(int), state.ACROSS]
     return Synchronised(positions, rows[:, state.VELOCITY:state.VELOCITY + 3], rows[:, state.ORIENTATION:state.ORIENTATION + 4],
-                        across[:, None] * rows[:, state.MOMENTUM:state.MOMENTUM + 3]), world.image[order] + outside
+                        rows[:, state.MOMENTUM:state.MOMENTUM + 3]), world.image[order] + outside
 
 
 def flattened(world, prefix=""):
@@ -106,17 +107,18 @@ def _check_cell(system, longest):
 
 def _kind_rows(system):
     """The table of kinds, and the kind (n,) of each body."""
-    moments = np.where(rotational_degrees(system.semi_axes)[:, None] > 0, system.moments, np.inf)
-    distinct, kind = np.unique(np.column_stack([system.semi_axes, system.masses, moments]), axis=0, return_inverse=True)
-    semi_axes = distinct[:, :3]
-    smallest, largest = semi_axes.min(axis=1), semi_axes.max(axis=1)
+    motion = motions(system.semi_axes, system.moments)
+    distinct, kind = np.unique(np.column_stack([system.semi_axes, system.masses, system.moments, motion]), axis=0, return_inverse=True)
+    semi_axes, moments, motion = distinct[:, :3], distinct[:, 4:7], distinct[:, 7]
+    smallest, largest, axis = semi_axes.min(axis=1), semi_axes.max(axis=1), symmetry_axes(semi_axes)
     rows = np.zeros((len(distinct), state.KIND_ROW))
     rows[:, state.SEMI_AXES:state.SEMI_AXES + 3] = semi_axes
     rows[:, state.INVERSE_MASS] = 1 / distinct[:, 3]
-    rows[:, state.INVERSE_MOMENTS:state.INVERSE_MOMENTS + 3] = 1 / distinct[:, 4:]
-    axis = symmetry_axes(semi_axes)
+    rows[:, state.INVERSE_MOMENTS:state.INVERSE_MOMENTS + 3] = 1 / moments
     rows[:, state.AXIS] = axis
-    rows[:, state.ACROSS] = 1 / distinct[np.arange(len(distinct)), 4 + (np.minimum(axis, 2) + 1) % 3]
+    rows[:, state.MOTION] = motion
+    rows[:, state.ACROSS] = np.where(motion == STEADY, 1 / moments[np.arange(len(distinct)), (np.minimum(axis, 2) + 1) % 3], 0.0)
+    rows[:, state.UNEQUAL] = (abs(np.roll(moments, 1, axis=1) - np.roll(moments, 2, axis=1)) / moments).max(axis=1)
     rows[:, state.SPREAD] = largest - smallest
     rows[:, state.LARGEST] = largest
     rows[:, state.BENDING] = (largest**2 - smallest**2) / smallest
@@ -125,12 +127,11 @@ def _kind_rows(system):
 
 
 def _body_rows(system, kinds, kind):
-    turning, across, _ = shape_turning(system)
     rows = _aligned(system.n, state.BODY_ROW)
     rows[:, state.POSITION:state.POSITION + 3] = system.positions
     rows[:, state.VELOCITY:state.VELOCITY + 3] = system.velocities
     rows[:, state.KIND] = kind
-    rows[:, state.MOMENTUM:state.MOMENTUM + 3] = across[:, None] * turning
+    rows[:, state.MOMENTUM:state.MOMENTUM + 3] = angular_momenta(system)
     rows[:, state.ORIENTATION:state.ORIENTATION + 4] = system.orientations
     set_vectors(rows, kinds)
     return rows

@@ -3,11 +3,10 @@
 from ccd.compiling import kernel
 from ccd.separation import support, support_point
 from ccd.vectors import add_scaled, cross, dot, load, scale, store
-from edmd.flight import kind_of, load_vectors
+from edmd.flight import kind_of, load_vectors, turning
 from edmd.prediction import size_now
 from edmd.rules import elastic
 from edmd.state import (
-    ACROSS,
     COLLISIONS,
     ENERGY,
     ENERGY_SINCE,
@@ -33,12 +32,13 @@ def _kick(row, kind, n, arm, impulse):
 def collide(world, body, partner, n, rate):
     """Two bodies touch now, both up to date; n: the normal from one to the other, rate: of their gap, growth and rotation included."""
     clock = world.clock
-    a, b, kind_a, kind_b = world.bodies[body], world.bodies[partner], world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
+    a, b = world.bodies[body], world.bodies[partner]
+    kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
     s_a, s_b, size = load_vectors(a, VECTORS), load_vectors(b, VECTORS), size_now(clock)
     arm_a, arm_b = cross(scale(size, support_point(s_a, n)), n), cross(scale(-size, support_point(s_b, n)), n)
     # n is unit up to rounding only: its square keeps the energy, which would otherwise drift one way
     inverse_mass = ((kind_a[INVERSE_MASS] + kind_b[INVERSE_MASS]) * dot(n, n)
-                    + kind_a[ACROSS] * dot(arm_a, arm_a) + kind_b[ACROSS] * dot(arm_b, arm_b))
+                    + dot(arm_a, turning(a, kind_a, arm_a)) + dot(arm_b, turning(b, kind_b, arm_b)))
     impulse = elastic.impulse(-rate, inverse_mass)
     _kick(a, kind_a, n, arm_a, -impulse)
     _kick(b, kind_b, n, arm_b, impulse)

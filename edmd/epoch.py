@@ -5,9 +5,11 @@
 from math import inf, sqrt
 
 from ccd.compiling import kernel
+from ccd.precession import NO_AXIS
 from ccd.vectors import add_scaled, dot, load, scale, store
-from edmd.flight import advance_all, kind_of
-from edmd.neighbors import DONE, NO_AXIS, rebuild, set_escape
+from edmd.flight import advance_all, kind_of, turning
+from edmd.inertia import FREE, STILL
+from edmd.neighbors import DONE, rebuild, set_escape
 from edmd.prediction import predict, reschedule, size_now
 from edmd.state import (
     ACROSS,
@@ -28,6 +30,7 @@ from edmd.state import (
     INVERSE_MASS,
     INVERSE_MOMENTS,
     MOMENTUM,
+    MOTION,
     NEXT_EPOCH,
     NOW,
     REACH_SIZE,
@@ -81,11 +84,11 @@ def _pace(world, free_time):
 
 @kernel
 def active_momentum(row, kind):
-    """The part of the angular momentum that collisions change: for a body of revolution the part across its axis."""
+    """The part of the angular momentum that collisions change: of a body of revolution in steady motion the part across its axis."""
     momentum, axis = load(row, MOMENTUM), int(kind[AXIS])
-    if kind[ACROSS] == 0.0:
+    if kind[MOTION] == STILL:
         return (0.0, 0.0, 0.0)
-    if axis == NO_AXIS:
+    if kind[MOTION] == FREE or axis == NO_AXIS:
         return momentum
     along = load(row, VECTORS + 3 * axis)
     return add_scaled(momentum, -dot(momentum, along) / dot(along, along), along)
@@ -99,8 +102,8 @@ def kinetic_energy(world):
         row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
         mass += 1 / kind[INVERSE_MASS]
         momentum = add_scaled(momentum, 1 / kind[INVERSE_MASS], load(row, VELOCITY))
-        turning = active_momentum(row, kind)
-        energy += 0.5 * (dot(load(row, VELOCITY), load(row, VELOCITY)) / kind[INVERSE_MASS] + kind[ACROSS] * dot(turning, turning))
+        active = active_momentum(row, kind)
+        energy += 0.5 * (dot(load(row, VELOCITY), load(row, VELOCITY)) / kind[INVERSE_MASS] + dot(active, turning(row, kind, active)))
     return max(energy - 0.5 * dot(momentum, momentum) / mass, 0.0)
 
 

@@ -1,10 +1,30 @@
 """Bring a body up to date: straight flight, and rotation of its shape."""
 
 from ccd.compiling import kernel
+from ccd.free_top import angular_acceleration, angular_velocity, fastest_turning, turn_freely
+from ccd.precession import NO_AXIS
 from ccd.rotation import body_axes, load_quaternion, turn
 from ccd.separation import semi_axis_vectors
-from ccd.vectors import add_scaled, load, scale, store
-from edmd.state import ACROSS, KIND, MOMENTUM, ORIENTATION, POSITION, SEMI_AXES, SPREAD, TIME, VECTORS, VELOCITY
+from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store
+from edmd.inertia import FREE, STILL
+from edmd.state import (
+    ACROSS,
+    AXIS,
+    BENDING,
+    INVERSE_MOMENTS,
+    KIND,
+    LARGEST,
+    MOMENTUM,
+    MOTION,
+    ORIENTATION,
+    POSITION,
+    SEMI_AXES,
+    SPREAD,
+    TIME,
+    UNEQUAL,
+    VECTORS,
+    VELOCITY,
+)
 
 
 @kernel
@@ -32,9 +52,35 @@ def position_at(row, now):
 
 
 @kernel
-def turning(row, kind):
-    """The angular velocity at which the shape turns, eq. (12)."""
-    return scale(kind[ACROSS], load(row, MOMENTUM))
+def turning(row, kind, momentum):
+    """The angular velocity at which the shape turns now with this angular momentum, eqs. (12) and (12a)."""
+    if kind[MOTION] == FREE:
+        return angular_velocity(load_quaternion(row, ORIENTATION), momentum, load(kind, INVERSE_MOMENTS))
+    return scale(kind[ACROSS], momentum)
+
+
+@kernel
+def turning_ahead(row, kind):
+    """How the shape will turn, as `support_motion` takes it, eq. (7d)."""
+    momentum = load(row, MOMENTUM)
+    spin, bending = turning(row, kind, momentum), kind[BENDING]
+    if kind[MOTION] != FREE:
+        return spin, (0.0, 0.0, 0.0), dot(spin, spin) * bending, 0.0, 1.0
+    q, inverse = load_quaternion(row, ORIENTATION), load(kind, INVERSE_MOMENTS)
+    most, hardest = fastest_turning(q, momentum, inverse)
+    square, jolt = most * most, 2 * kind[UNEQUAL] * most * hardest
+    swerve = (1 / 6) * bending * (kind[LARGEST] - kind[SPREAD]) * (4 * square * most + 6 * most * hardest + jolt)
+    return spin, angular_acceleration(q, momentum, inverse), (square + 0.5 * hardest) * bending, swerve, 0.0
+
+
+@kernel
+def fastest(row, kind):
+    """The largest angular velocity at which the shape will turn; of a body of revolution in steady motion that of its axis."""
+    momentum, axis = load(row, MOMENTUM), int(kind[AXIS])
+    if kind[MOTION] == FREE:
+        return fastest_turning(load_quaternion(row, ORIENTATION), momentum, load(kind, INVERSE_MOMENTS))[0]
+    spin = scale(kind[ACROSS], momentum)
+    return norm(spin if axis >= NO_AXIS else cross(spin, scale(1.0 / kind[SEMI_AXES + axis], load(row, VECTORS + 3 * axis))))
 
 
 @kernel
@@ -45,11 +91,15 @@ def advance(row, kind, now):
         return
     store(row, POSITION, position_at(row, now))
     row[TIME] = now
-    if kind[SPREAD] == 0.0:
+    if kind[MOTION] == STILL:
         return
-    w, x, y, z = turn(load_quaternion(row, ORIENTATION), turning(row, kind), time)
-    row[ORIENTATION] = w
-    store(row, ORIENTATION + 1, (x, y, z))
+    q, momentum = load_quaternion(row, ORIENTATION), load(row, MOMENTUM)
+    if kind[MOTION] == FREE:
+        q = turn_freely(q, momentum, load(kind, INVERSE_MOMENTS), time)
+    else:
+        q = turn(q, scale(kind[ACROSS], momentum), time)
+    row[ORIENTATION] = q[0]
+    store(row, ORIENTATION + 1, (q[1], q[2], q[3]))
     _set_vectors(row, kind)
 
 
@@ -69,3 +119,14 @@ def set_vectors(rows, kinds):
     """The semi-axis vectors of all bodies from their orientations."""
     for body in range(len(rows)):
         _set_vectors(rows[body], kinds[int(rows[body, KIND])])
+
+
+@kernel
+def turn_still(rows, kinds, time):
+    """The orientations, after this time, of bodies whose turning does not move their shapes."""
+    for body in range(len(rows)):
+        row, kind = rows[body], kinds[int(rows[body, KIND])]
+        if kind[MOTION] == STILL:
+            q = turn_freely(load_quaternion(row, ORIENTATION), load(row, MOMENTUM), load(kind, INVERSE_MOMENTS), time)
+            row[ORIENTATION] = q[0]
+            store(row, ORIENTATION + 1, (q[1], q[2], q[3]))

@@ -11,10 +11,10 @@ from ccd.compiling import kernel
 from ccd.precession import NO_AXIS
 from ccd.separation import best_plane, normal, shape_matrix, support
 from ccd.tolerances import COARSE
-from ccd.vectors import cross, dot, load, norm, scale, store, subtract
+from ccd.vectors import dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced, fraction, image_of
 from edmd.events import Ended
-from edmd.flight import advance, kind_of, load_vectors, turning
+from edmd.flight import advance, fastest, kind_of, load_vectors
 from edmd.prediction import (
     ball_now,
     direction_of,
@@ -86,14 +86,9 @@ def displacement(row, kind, anchor, size):
 
 @kernel
 def speed_of_surface(row, kind, size):
-    """How fast a support value can change at most, growth apart: by (6), where spin about an axis of revolution moves nothing."""
+    """How fast a support value can change at most, growth apart, by (6)."""
     speed = norm(load(row, VELOCITY))
-    if kind[SPREAD] > 0.0:
-        spin, axis = turning(row, kind), int(kind[AXIS])
-        if axis < NO_AXIS:
-            spin = cross(spin, scale(1.0 / kind[SEMI_AXES + axis], load(row, VECTORS + 3 * axis)))
-        speed += norm(spin) * kind[SPREAD] * size
-    return speed
+    return speed + fastest(row, kind) * kind[SPREAD] * size if kind[SPREAD] > 0.0 else speed
 
 
 @kernel

@@ -17,10 +17,9 @@ from ccd.vectors import dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced
 from edmd.calendar import earliest_rival, schedule
 from edmd.events import EventKind
-from edmd.flight import advance, kind_of, load_vectors, position_at, turning
+from edmd.flight import advance, kind_of, load_vectors, position_at, turning_ahead
 from edmd.state import (
     BEGIN,
-    BENDING,
     COUNT,
     ESCAPE_TIME,
     EVENT,
@@ -59,19 +58,16 @@ def size_now(clock):
 
 @kernel
 def flight_now(world, body):
-    """What the bounds need of a body, in registers: position now, velocity, turning, semi-axis vectors and curvature, and their age."""
-    row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
-    spin = turning(row, kind)
-    now = world.clock[NOW]
-    return (position_at(row, now), load(row, VELOCITY), spin, load_vectors(row, VECTORS), dot(spin, spin) * kind[BENDING],
-            now - row[TIME])
+    """What the bounds need of a body, in registers: position now, velocity, turning, semi-axis vectors, and the age of the last two."""
+    row, kind, now = world.bodies[body], world.kinds[kind_of(world, body)], world.clock[NOW]
+    return position_at(row, now), load(row, VELOCITY), turning_ahead(row, kind), load_vectors(row, VECTORS), now - row[TIME]
 
 
 @kernel
 def flight_support(flight, n, clock):
     """(value, rate, bend) of a parabola nowhere below size * h(n) of a body within two horizons from now."""
-    _, _, spin, vectors, bend, age = flight
-    motion = support_motion(vectors, spin, bend, n, age, 2 * clock[HORIZON])
+    _, _, turning, vectors, age = flight
+    motion = support_motion(vectors, turning, n, age, 2 * clock[HORIZON])
     if clock[GROWTH] == 0.0:
         return scale(clock[SIZE], motion)
     return grown(motion, size_now(clock), clock[GROWTH], 2 * clock[HORIZON])
@@ -261,11 +257,11 @@ def _predict_block(world, entries, own):
 @kernel
 def _bound_columns(column, size, own, growing):
     """How long the planes hold; the body's own sides take the place of its neighbours'. own: up to date."""
-    position, velocity, spin, vectors, bend, _ = own
+    position, velocity, turning, vectors, _ = own
     factor, growth, horizon, rounding = growing
     for k in range(size):
         n = (column[NORMALS + k], column[NORMALS + BLOCK + k], column[NORMALS + 2 * BLOCK + k])
-        height, rising, bending = grown(support_motion(vectors, spin, bend, n, 0.0, horizon), factor, growth, horizon)
+        height, rising, bending = grown(support_motion(vectors, turning, n, 0.0, horizon), factor, growth, horizon)
         top, top_rate, age = dot(n, position) + height, dot(n, velocity) + rising, column[AGES + k]
         rate = column[RATES + k] - age * column[BENDS + k]
         gap = column[SIDES + k] + 0.5 * age * (column[RATES + k] + rate) - top - rounding

@@ -15,7 +15,7 @@ from edmd import building, epoch, state
 from edmd.averages import Interval, Means
 from edmd.engine import advance_events
 from edmd.events import Ended
-from edmd.inertia import axis_directions, degrees_of_freedom, shape_turning
+from edmd.inertia import angular_velocities, degrees_of_freedom, own_spin
 from edmd.observers import View, reached
 from edmd.ordering import spatial_order
 from edmd.outputs import check_output
@@ -65,7 +65,7 @@ class Simulation:
         self._system = system.copy()
         self._order = spatial_order(system.positions, system.box)          # of the bodies in the world
         self._world = building.build_world(system.subset(self._order))
-        self._spin = shape_turning(system)[2]
+        self._spin = own_spin(system)
         self._grown_inertia = 1.0
         self._done = self._before = self._last = Interval()
         self.course, self.notes = None, None
@@ -124,12 +124,11 @@ class Simulation:
         """The System of now, positions in the cell, and the images (n, 3) they belong to: unwrapped = positions + images @ box."""
         rows, images = building.synchronised_rows(self._world, np.argsort(self._order))
         like = self._system
-        axis, _ = axis_directions(like)
-        spun = rotations(np.eye(3)[axis] * (self._spin * self.time)[:, None])
+        spun = rotations(np.eye(3)[np.minimum(symmetry_axes(like.semi_axes), 2)] * (self._spin * self.time)[:, None])
         system = System(rows.positions, products(rows.orientations, spun), like.semi_axes * self.size, like.box, rows.velocities,
                         None, like.masses, like.inertia, like.species)
-        system.angular_velocities = rows.turning + self._spin[:, None] * axis_directions(system)[1]
         system.moments = like.moments * self._grown_inertia
+        system.angular_velocities = angular_velocities(system.orientations, rows.momenta, system.moments)
         if not isinstance(like.inertia, str):
             system.inertia = system.moments
         return system, images

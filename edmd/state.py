@@ -13,9 +13,11 @@ POSITION, VELOCITY, TIME, KIND = 0, 3, 6, 7
 VECTORS, MOMENTUM, ORIENTATION = 8, 17, 20
 BODY_ROW = 24
 
-# kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; ACROSS: inverse moment of the turning of
-# the shape, 0 for spheres; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7)
+# kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; MOTION: see edmd/inertia.py; ACROSS: the
+# inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
+# UNEQUAL: largest difference of two moments over the third
 SEMI_AXES, INVERSE_MASS, INVERSE_MOMENTS, AXIS, ACROSS, SPREAD, LARGEST, BENDING, MARGIN_LENGTH = 0, 3, 4, 7, 8, 9, 10, 11, 12
+MOTION, UNEQUAL = 13, 14
 KIND_ROW = 16
 
 # anchors: where a body was, at which size, when its list was made; the search for neighbours needs the first half only of a body too far

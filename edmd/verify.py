@@ -12,6 +12,7 @@ from ccd.culling import close_pairs
 from edmd import state
 from edmd.epoch import kinetic_energy
 from edmd.flight import advance_all
+from edmd.inertia import FREE, angular_velocities
 
 DEPTH = 1e-11           # relative depth up to which a touching pair may read as overlapping
 ENERGY_ERROR = 1e-10    # relative
@@ -152,12 +153,16 @@ def _check_predictions(world):
     rows = world.bodies.copy()
     advance_all(rows, world.kinds, now)
     kinds = world.kinds[rows[:, state.KIND].astype(int)]
+    momenta, free = rows[:, state.MOMENTUM:state.MOMENTUM + 3], kinds[:, state.MOTION] == FREE
+    moments = np.where(free[:, None], 1 / kinds[:, state.INVERSE_MOMENTS:state.INVERSE_MOMENTS + 3], 1.0)      # equal ones turn steadily
+    spin = np.where(free[:, None], angular_velocities(rows[:, state.ORIENTATION:state.ORIENTATION + 4], momenta, moments),
+                    kinds[:, state.ACROSS, None] * momenta)
 
     def bodies(index, shift):
         part, kind = rows[index], kinds[index]
         return batch.Bodies(kind[:, state.SEMI_AXES:state.SEMI_AXES + 3] * size, part[:, state.POSITION:state.POSITION + 3] + shift,
                             part[:, state.ORIENTATION:state.ORIENTATION + 4], part[:, state.VELOCITY:state.VELOCITY + 3],
-                            kind[:, state.ACROSS, None] * part[:, state.MOMENTUM:state.MOMENTUM + 3], clock[state.GROWTH] / size)
+                            spin[index], clock[state.GROWTH] / size, moments[index] if free.any() else None)
     free_time = clock[state.REFINE]
     longest = max(min(span.max(), 100 * free_time), 1e-300)
     a = bodies(body[held], 0.0)
