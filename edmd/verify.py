@@ -29,6 +29,8 @@ def verify_world(world, system):
     _check_predictions(world)
     counted, is_now = world.clock[state.ENERGY], kinetic_energy(world)
     assert abs(counted - is_now) <= ENERGY_ERROR * is_now, f"energy {is_now!r}, but the collisions account for {counted!r}"
+    before = world.clock[state.ENERGY_ERROR]
+    assert abs(before) <= ENERGY_ERROR, f"the energy has come off what the collisions account for by {before!r} of itself"
 
 
 def check_overlaps(system):
