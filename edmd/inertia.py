@@ -75,11 +75,13 @@ def degrees_of_freedom(system, rough=False):
     return max(3 * system.n - 3, 1) + (3 * system.n if rough else int(rotational_degrees(system.semi_axes).sum()))
 
 
-def kinetic_energies(system):
-    """Translational energy without the common drift, and rotational energy without the spin of bodies of revolution."""
+def kinetic_energies(system, rough=False):
+    """Translational energy without the common drift, and rotational energy, of smooth bodies of revolution without their spin."""
     masses = system.masses[:, None]
     drift = (masses * system.velocities).sum(axis=0) / masses.sum()
     translation = 0.5 * (masses * (system.velocities - drift)**2).sum()
+    if rough:
+        return translation, 0.5 * (system.moments * to_body(system.orientations, system.angular_velocities)**2).sum()
     kinds = symmetry_axes(system.semi_axes)
     axis, u = axis_directions(system)
     along = (system.angular_velocities * u).sum(axis=1, keepdims=True) * u
@@ -88,6 +90,6 @@ def kinetic_energies(system):
     return translation, 0.5 * (moments * (active**2).sum(axis=1))[kinds < 4].sum()
 
 
-def temperature_of(system):
+def temperature_of(system, rough=False):
     """kT = 2 E / degrees of freedom."""
-    return 2 * sum(kinetic_energies(system)) / degrees_of_freedom(system)
+    return 2 * sum(kinetic_energies(system, rough)) / degrees_of_freedom(system, rough)

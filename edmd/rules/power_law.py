@@ -15,7 +15,7 @@ from edmd.rules.rule import ContactShare, ContactTime, Rule, Share, number
 class PowerLaw(Rule):
     """smooth, restitution falling from 1 as a power of the impact velocity, to a floor"""
 
-    kind = "power law"
+    kind = "power_law"
     restitution: Share = 0.7
     velocity: Annotated[float, "impact velocity from which on the restitution is at its floor",
                         number("a positive velocity", above=0)] = 1.0

@@ -16,7 +16,7 @@ from edmd.rules.rule import ContactShare, ContactTime, Rule, Share, number
 
 @dataclass(frozen=True)
 class Rough(Rule):
-    """rough, with constant normal and tangential restitution: spins about symmetry axes, and of spheres, take part"""
+    """rough, with constant normal and tangential restitution: all rotation takes part"""
 
     kind = "rough"
     restitution: Share = 0.9

@@ -20,7 +20,7 @@ Share = Annotated[float, "normal restitution e: speed after over speed before a 
                   number("a number from 0 to 1", at_least=0, at_most=1)]
 ContactTime = Annotated[float, "TC model: a collision sooner than this after one of a partner is smooth and elastic; 0: off",
                         number("a time, 0 or more", at_least=0)]
-ContactShare = Annotated[float, "the same in thermal times, longest semi-axis / sqrt(2 E / mass), for a gas that cools; the longer holds",
+ContactShare = Annotated[float, "the same in times in which a body moves by its length, for gases that cool; the longer of both holds",
                          number("a number, 0 or more", at_least=0)]
 
 
