@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edmd import state
-from edmd.epoch import kinetic_energy, rebuild_all, reschedule_all, set_short_times
+from edmd.epoch import energy_counted, kinetic_energy, mean_velocity, rebuild_all, reschedule_all
 from edmd.events import Ended
 from edmd.flight import advance_all, set_vectors
 from edmd.inertia import rotational_degrees, shape_turning
@@ -14,7 +14,7 @@ from edmd.rules.kinds import KIND, ROUGH, rule_row
 from edmd.spin import own_spins
 from edmd.state import Calendar, Contacts, Grid, Lists, Pairs, World
 from edmd.system import wrap
-from edmd.tolerances import CELL_FRACTION, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, REFINE_BELOW
+from edmd.tolerances import CELL_FRACTION, DRIFTED, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, REFINE_BELOW
 
 
 def build_world(system, rule):
@@ -36,7 +36,10 @@ def build_world(system, rule):
                   _pairs(n * LIST_ROOM // 2), _grid(system, 2 * longest.max()), _calendar(n), clock, tally, contacts)
     world.tally[state.FREE_PAIRS] = len(world.pairs.free)
     clock[state.ENERGY] = kinetic_energy(world)
-    set_short_times(world)
+    mass, drift = mean_velocity(world)
+    if 0.5 * mass * np.dot(drift, drift) > DRIFTED * clock[state.ENERGY]:           # or it is rounding
+        clock[state.DRIFT:state.DRIFT + 3] = drift
+    energy_counted(world)
     world, status = with_room(world, rebuild_all)
     if status != DONE:
         raise ValueError(cell_too_small(system.box))

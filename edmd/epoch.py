@@ -6,7 +6,7 @@ from math import inf, sqrt
 
 from ccd.compiling import kernel
 from ccd.first_contact import curvature
-from ccd.vectors import add_scaled, dot, load, scale, store
+from ccd.vectors import add_scaled, dot, load, scale, store, subtract
 from edmd.flight import advance_all
 from edmd.neighbors import DONE, rebuild, set_escape
 from edmd.prediction import predict, reschedule, size_now
@@ -16,7 +16,9 @@ from edmd.state import (
     ANCHOR_POSITION,
     BEND,
     COLLISIONS,
+    DRIFT,
     ENERGY,
+    ENERGY_BEGAN,
     ENERGY_ERROR,
     ENERGY_SINCE,
     ENERGY_TIME,
@@ -44,7 +46,7 @@ from edmd.state import (
     VELOCITY,
     VIRIAL,
 )
-from edmd.tolerances import EPOCH_COLLISIONS, EPOCH_LEAST, GROWTH_HORIZON, INSTANT_SHARE, REFINE_BELOW
+from edmd.tolerances import DRIFTED, EPOCH_COLLISIONS, EPOCH_LEAST, GROWTH_HORIZON, INSTANT_SHARE, REFINE_BELOW
 
 
 @kernel
@@ -77,20 +79,47 @@ def start_epoch(world):
 def _close_the_books(world):
     """Begin the epoch with the energy that is there, so that what collisions account for keeps its digits while a gas cools by decades."""
     clock, energy = world.clock, kinetic_energy(world)
-    if energy > 0:
-        clock[ENERGY_ERROR] += clock[ENERGY] / energy - 1
+    if clock[ENERGY_BEGAN] > 0:
+        clock[ENERGY_ERROR] += (clock[ENERGY] - energy) / max(clock[ENERGY_BEGAN], energy)
     clock[ENERGY] = energy
-    set_short_times(world)
+    energy_counted(world)
+    _take_back_drift(world)
 
 
 @kernel
-def set_short_times(world):
-    """The contact time in force, and an instant: events of a gas that collapses crowd into less. Those of jamming bodies may, too."""
-    clock, mass, longest = world.clock, 0.0, 0.0
+def mean_velocity(world):
+    """Total mass, and velocity of its centre."""
+    mass, momentum = 0.0, (0.0, 0.0, 0.0)
     for body in range(len(world.bodies)):
-        mass += 1 / world.bodies[body, INVERSE_MASS]
+        row = world.bodies[body]
+        mass += 1 / row[INVERSE_MASS]
+        momentum = add_scaled(momentum, 1 / row[INVERSE_MASS], load(row, VELOCITY))
+    return mass, scale(1 / mass, momentum)
+
+
+@kernel
+def _take_back_drift(world):
+    """Momentum is kept to the rounding of the fastest velocities there were. In a gas that cools by thirty decades that becomes a drift."""
+    clock = world.clock
+    mass, velocity = mean_velocity(world)
+    drift = subtract(velocity, load(clock, DRIFT))
+    if 0.5 * mass * dot(drift, drift) <= DRIFTED * clock[ENERGY]:
+        return
+    advance_all(world.bodies, clock[NOW])
+    for body in range(len(world.bodies)):
+        store(world.bodies[body], VELOCITY, subtract(load(world.bodies[body], VELOCITY), drift))
+    predict_all(world)
+
+
+@kernel
+def energy_counted(world):
+    """What follows from a newly counted energy: the contact time in force, and an instant. Events of a collapsing gas crowd into less."""
+    clock, longest = world.clock, 0.0
+    mass, _ = mean_velocity(world)
+    for body in range(len(world.bodies)):
         longest = max(longest, world.bodies[body, LARGEST] * size_now(clock))
     thermal_time = longest * sqrt(0.5 * mass / clock[ENERGY]) if clock[ENERGY] > 0 else 0.0
+    clock[ENERGY_BEGAN] = clock[ENERGY]
     set_contact_time(world.contacts.rule, thermal_time)
     clock[INSTANT] = INSTANT_SHARE * thermal_time if world.contacts.rule[KIND] != ELASTIC and clock[GROWTH] == 0.0 else 0.0
 
@@ -110,24 +139,25 @@ def active_turning(row):
 @kernel
 def kinetic_energy(world):
     """Energy of all motions that collisions exchange: not that of the common drift, nor of the spin of smooth bodies of revolution."""
-    contacts, energy, mass, momentum = world.contacts, 0.0, 0.0, (0.0, 0.0, 0.0)
+    contacts, energy = world.contacts, 0.0
+    _, drift = mean_velocity(world)
     for body in range(len(world.bodies)):
         row = world.bodies[body]
-        mass += 1 / row[INVERSE_MASS]
-        momentum = add_scaled(momentum, 1 / row[INVERSE_MASS], load(row, VELOCITY))
-        energy += 0.5 * dot(load(row, VELOCITY), load(row, VELOCITY)) / row[INVERSE_MASS]
+        velocity = subtract(load(row, VELOCITY), drift)
+        energy += 0.5 * dot(velocity, velocity) / row[INVERSE_MASS]
         if contacts.rule[KIND] == ROUGH:
             energy += rotational_energy(row, contacts.inverse_moments[body])
         elif row[INVERSE_INERTIA] > 0:
             turning = active_turning(row)
             energy += 0.5 * dot(turning, turning) / row[INVERSE_INERTIA]
-    return max(energy - 0.5 * dot(momentum, momentum) / mass, 0.0)
+    return energy
 
 
 @kernel
 def rescale(world, factor, inertia_factor):
     """Multiply the exchanged velocities by a factor; moments of inertia by another, at unchanged energy. Predictions are made anew."""
     advance_all(world.bodies, world.clock[NOW])
+    store(world.clock, DRIFT, scale(factor, load(world.clock, DRIFT)))
     for body in range(len(world.bodies)):
         row = world.bodies[body]
         store(row, VELOCITY, scale(factor, load(row, VELOCITY)))
@@ -146,7 +176,7 @@ def predict_all(world):
     world.clock[ENERGY_TIME] += world.clock[ENERGY] * (world.clock[NOW] - world.clock[ENERGY_SINCE])
     world.clock[ENERGY_SINCE] = world.clock[NOW]
     world.clock[ENERGY] = kinetic_energy(world)
-    set_short_times(world)
+    energy_counted(world)
     advance_all(world.bodies, world.clock[NOW])
     for body in range(len(world.bodies)):
         predict(world, body)

@@ -30,9 +30,11 @@ PAIR_ROW = 8
 # clock: NOW and every time in the world count from EPOCH. REACH: longest semi-axis plus margin of all bodies at size 1; REACH_SIZE: the
 # largest size of an anchor. REFINE: a time, see tolerances. ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral
 # up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions. ENERGY_ERROR: sum over the epochs of
-# the relative amounts by which ENERGY, as the collisions account for it, had come off what it is. INSTANT: a span that is no progress.
-NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE, ENERGY_ERROR, INSTANT = range(14)
-CLOCK_ROW = 16
+# the amounts by which ENERGY, as the collisions account for it, had come off what it is, in units of what it was when it was last counted,
+# ENERGY_BEGAN. INSTANT: a span that is no progress. DRIFT: common velocity of all bodies, three numbers.
+(NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE, ENERGY_ERROR, ENERGY_BEGAN,
+ INSTANT, DRIFT) = range(16)
+CLOCK_ROW = 24
 
 # tally
 # SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this epoch). FAINT: weight of the last collisions in a row that
