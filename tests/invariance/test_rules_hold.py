@@ -89,6 +89,22 @@ def test_rough_bodies_turn_as_their_angular_velocities_say(axes):
     assert max(turned) < 1e-4
 
 
+@pytest.mark.parametrize("axes", [(1, 1, 2.0), (0.5, 1, 1)])
+def test_no_orientation_jumps_when_rough_bodies_collide(axes, tmp_path):
+    """A collision changes the spin about the axis; the angle goes on from where it was, over upkeeps too."""
+    simulation = edmd.Simulation(fluids.fluid(axes, 24, 0.3, seed=6), rule=edmd.Rough(0.9, 0.5)).run(collisions=60)
+    spins = []
+    for _ in range(10):
+        simulation.save(tmp_path / "state")
+        began = simulation.time
+        after = simulation.run(collisions=1).system
+        before = edmd.Simulation.load(tmp_path / "state").run(time=(simulation.time - began) * (1 - 1e-9)).system
+        frames = [independent.rotation_matrices(state.orientations) for state in (before, after)]
+        assert abs(frames[1] - frames[0]).max() < 1e-8
+        spins.append(abs(independent.body_spin(after) - independent.body_spin(before)).max(axis=0))
+    assert (np.max(spins, axis=0) > 0.01).all(), "no spin about the axis has changed: this test would see nothing"
+
+
 def test_spheres_that_are_smooth_keep_their_spin_and_rough_ones_do_not():
     start = fluids.fluid("sphere", 24, 0.4, seed=6)
     for rule, changes in ((edmd.Inelastic(0.9), False), (edmd.Rough(0.9, 0.5), True)):

@@ -54,7 +54,7 @@ def test_rotation_and_translation_of_inelastic_ellipsoids(axes, e, expected, see
         simulation.run(collisions_per_particle=36, observers=[look])
         translation, rotation = np.transpose(seen)
         means += list((rotation / translation).reshape(3, -1).mean(axis=1))
-        assert simulation.contact_time_collisions < 0.3 * simulation.collisions
+        assert 0 < simulation.contact_time_collisions < 0.5 * simulation.collisions
     mean, error = independent.block_mean(means)
     assert error < 0.012
     assert abs(mean - expected) < 0.02 + (2 * error if seeds < 8 else 0)
