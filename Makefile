@@ -28,4 +28,4 @@ lint: .venv/installed-for-tests
 	$(BIN)/lint-imports
 
 clean:
-	rm -rf .venv demo boxers robot_arm ccd_equation compression_rates build *.egg-info .pytest_cache .hypothesis .ruff_cache .import_linter_cache
+	rm -rf .venv demo cooling boxers robot_arm ccd_equation compression_rates build *.egg-info .pytest_cache .hypothesis .ruff_cache .import_linter_cache

@@ -46,7 +46,8 @@ def main():
         "per_solve": round(float(np.median(1 / np.array(rates) / np.array(solves))), 1),
         "solve_ns": round(1e9 * float(np.median(solves)), 1),
         "events": round(done[state.EVENTS] / collisions, 2), "looks": round(done[state.LOOKS] / collisions, 2),
-        "rebuilds": round(done[state.REBUILDS] / collisions, 3), "neighbours": round(float(simulation._world.lists.spans[:, state.COUNT].mean()), 1),
+        "rebuilds": round(done[state.REBUILDS] / collisions, 3),
+        "neighbours": round(float(simulation._world.lists.spans[:, state.COUNT].mean()), 1),
         "compressibility_factor": round(simulation.compressibility_factor, 3), **provenance()}))
 
 

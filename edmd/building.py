@@ -6,21 +6,23 @@ import numpy as np
 
 from ccd.precession import symmetry_axes
 from edmd import state
-from edmd.epoch import kinetic_energy, rebuild_all, reschedule_all
+from edmd.epoch import energy_counted, kinetic_energy, mean_velocity, rebuild_all, reschedule_all
 from edmd.events import Ended
 from edmd.flight import advance_all, set_vectors, turn_still
-from edmd.inertia import STEADY, angular_momenta, motions
+from edmd.inertia import STEADY, angular_momenta, motions, rotational_degrees
 from edmd.neighbors import DONE
 from edmd.prediction import COLUMNS
-from edmd.state import Calendar, Grid, Lists, World
+from edmd.rules.kinds import KIND, ROUGH, rule_row
+from edmd.state import Calendar, Contacts, Grid, Lists, World
 from edmd.system import wrap
-from edmd.tolerances import CELL_FRACTION, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, MORE_ROOM, REFINE_BELOW
+from edmd.tolerances import CELL_FRACTION, DRIFTED, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, MORE_ROOM, REFINE_BELOW
 
 
-def build_world(system):
+def build_world(system, rule):
     """A World at time 0 with lists and predictions made. The bodies must not overlap (the caller has checked)."""
     n = system.n
-    kinds, kind = _kind_rows(system)
+    contacts = Contacts(rule_row(rule), np.full(n, -np.inf))
+    kinds, kind = _kind_rows(system, contacts.rule[KIND] == ROUGH)
     bodies = _body_rows(system, kinds, kind)
     longest = kinds[:, state.LARGEST] + kinds[:, state.MARGIN_LENGTH]
     _check_cell(system, longest.max())
@@ -35,8 +37,12 @@ def build_world(system):
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     tally[state.ENTRIES] = n * LIST_ROOM
     world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
-                  _grid(system, 2 * longest.max()), _calendar(n), clock, tally, np.zeros(COLUMNS))
+                  _grid(system, 2 * longest.max()), _calendar(n), clock, tally, contacts, np.zeros(COLUMNS))
     clock[state.ENERGY] = kinetic_energy(world)
+    mass, drift = mean_velocity(world)
+    if 0.5 * mass * np.dot(drift, drift) > DRIFTED * clock[state.ENERGY]:           # or it is rounding
+        clock[state.DRIFT:state.DRIFT + 3] = drift
+    energy_counted(world)
     world, status = with_room(world, rebuild_all)
     if status != DONE:
         raise ValueError(cell_too_small(system.box))
@@ -85,7 +91,7 @@ def flattened(world, prefix=""):
 
 def unflattened(arrays):
     """The World of `flattened` arrays."""
-    parts = {"grid": Grid, "calendar": Calendar}
+    parts = {"grid": Grid, "calendar": Calendar, "contacts": Contacts}
     fields = {name: kind(*(np.ascontiguousarray(arrays[f"{name}.{field}"]) for field in kind._fields)) for name, kind in parts.items()}
     for name in ("bodies", "anchors"):
         fields[name] = _aligned_copy(arrays[name])
@@ -105,11 +111,11 @@ def _check_cell(system, longest):
         raise ValueError(f"{cell_too_small(system.box)}: its smallest width is {heights.min():.6g}, and {2 * longest:.6g} is needed")
 
 
-def _kind_rows(system):
+def _kind_rows(system, rough):
     """The table of kinds, and the kind (n,) of each body."""
-    motion = motions(system.semi_axes, system.moments)
-    distinct, kind = np.unique(np.column_stack([system.semi_axes, system.masses, system.moments, motion]), axis=0, return_inverse=True)
-    semi_axes, moments, motion = distinct[:, :3], distinct[:, 4:7], distinct[:, 7]
+    distinct, kind = np.unique(np.column_stack([system.semi_axes, system.masses, system.moments]), axis=0, return_inverse=True)
+    semi_axes, moments = distinct[:, :3], distinct[:, 4:]
+    motion = motions(semi_axes, moments, rough)
     smallest, largest, axis = semi_axes.min(axis=1), semi_axes.max(axis=1), symmetry_axes(semi_axes)
     rows = np.zeros((len(distinct), state.KIND_ROW))
     rows[:, state.SEMI_AXES:state.SEMI_AXES + 3] = semi_axes
@@ -117,6 +123,7 @@ def _kind_rows(system):
     rows[:, state.INVERSE_MOMENTS:state.INVERSE_MOMENTS + 3] = 1 / moments
     rows[:, state.AXIS] = axis
     rows[:, state.MOTION] = motion
+    rows[:, state.DEGREES] = rotational_degrees(semi_axes, moments, rough)
     rows[:, state.ACROSS] = np.where(motion == STEADY, 1 / moments[np.arange(len(distinct)), (np.minimum(axis, 2) + 1) % 3], 0.0)
     rows[:, state.UNEQUAL] = (abs(np.roll(moments, 1, axis=1) - np.roll(moments, 2, axis=1)) / moments).max(axis=1)
     rows[:, state.SPREAD] = largest - smallest

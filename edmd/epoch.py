@@ -5,12 +5,11 @@
 from math import inf, sqrt
 
 from ccd.compiling import kernel
-from ccd.precession import NO_AXIS
-from ccd.vectors import add_scaled, dot, load, scale, store
+from ccd.vectors import add_scaled, dot, load, scale, store, subtract
 from edmd.flight import advance_all, kind_of, turning
-from edmd.inertia import FREE, STILL
 from edmd.neighbors import DONE, rebuild, set_escape
 from edmd.prediction import predict, reschedule, size_now
+from edmd.rules.kinds import ELASTIC, KIND, set_contact_time
 from edmd.state import (
     ACROSS,
     ANCHOR_POSITION,
@@ -18,31 +17,46 @@ from edmd.state import (
     BEGIN,
     COLLISIONS,
     COUNT,
+    DEGREES,
+    DRIFT,
     ENERGY,
+    ENERGY_BEGAN,
+    ENERGY_ERROR,
     ENERGY_SINCE,
     ENERGY_TIME,
     EPOCH,
     EPOCH_BEGAN,
+    EPOCH_SPARED,
     ESCAPE_TIME,
     EVENT,
     GROWTH,
     HORIZON,
+    INSTANT,
     INVERSE_MASS,
     INVERSE_MOMENTS,
+    LARGEST,
     MOMENTUM,
-    MOTION,
     NEXT_EPOCH,
     NOW,
     REACH_SIZE,
     REFINE,
     SINCE,
     SIZE,
+    SPARED,
     TIME,
     VECTORS,
     VELOCITY,
     VIRIAL,
 )
-from edmd.tolerances import EPOCH_COLLISIONS, EPOCH_LEAST, GROWTH_HORIZON, HORIZON_FREE_TIMES, REFINE_BELOW
+from edmd.tolerances import (
+    DRIFTED,
+    EPOCH_COLLISIONS,
+    EPOCH_LEAST,
+    GROWTH_HORIZON,
+    HORIZON_FREE_TIMES,
+    INSTANT_SHARE,
+    REFINE_BELOW,
+)
 
 
 @kernel
@@ -50,14 +64,17 @@ def start_epoch(world):
     """Count every time, and every sum, from now on. The mean free time of the epoch that ends decides when planes are renewed."""
     clock, tally, n = world.clock, world.tally, len(world.bodies)
     now, collisions = clock[NOW], tally[COLLISIONS] - tally[EPOCH_BEGAN]
+    collisions -= tally[SPARED] - tally[EPOCH_SPARED]
     free_time = now * n / (2.0 * collisions) if collisions > 0 else 0.0
-    tally[EPOCH_BEGAN] = tally[COLLISIONS]
+    _close_the_books(world)
+    tally[EPOCH_BEGAN], tally[EPOCH_SPARED] = tally[COLLISIONS], tally[SPARED]
     tally[NEXT_EPOCH] = tally[COLLISIONS] + max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     clock[SIZE] = size_now(clock)
     clock[EPOCH] += now
     clock[NOW] = clock[ENERGY_SINCE] = clock[ENERGY_TIME] = clock[VIRIAL] = 0.0
     for body in range(n):
         world.bodies[body, TIME] -= now
+        world.contacts.last[body] -= now
         world.anchors[body, ESCAPE_TIME] -= now
         begin = int(world.lists.spans[body, BEGIN])
         for entry in range(begin, begin + int(world.lists.spans[body, COUNT])):
@@ -83,12 +100,61 @@ def _pace(world, free_time):
 
 
 @kernel
+def _close_the_books(world):
+    """Begin the epoch with the energy that is there, so that what collisions account for keeps its digits while a gas cools by decades."""
+    clock, energy = world.clock, kinetic_energy(world)
+    if clock[ENERGY_BEGAN] > 0:
+        clock[ENERGY_ERROR] += (clock[ENERGY] - energy) / max(clock[ENERGY_BEGAN], energy)
+    clock[ENERGY] = energy
+    energy_counted(world)
+    _take_back_drift(world)
+
+
+@kernel
+def mean_velocity(world):
+    """Total mass, and velocity of its centre."""
+    mass, momentum = 0.0, (0.0, 0.0, 0.0)
+    for body in range(len(world.bodies)):
+        of_body = 1 / world.kinds[kind_of(world, body)][INVERSE_MASS]
+        mass += of_body
+        momentum = add_scaled(momentum, of_body, load(world.bodies[body], VELOCITY))
+    return mass, scale(1 / mass, momentum)
+
+
+@kernel
+def _take_back_drift(world):
+    """Momentum is kept to the rounding of the fastest velocities there were. In a gas that cools by thirty decades that becomes a drift."""
+    clock = world.clock
+    mass, velocity = mean_velocity(world)
+    drift = subtract(velocity, load(clock, DRIFT))
+    if 0.5 * mass * dot(drift, drift) <= DRIFTED * clock[ENERGY]:
+        return
+    advance_all(world.bodies, world.kinds, clock[NOW])
+    for body in range(len(world.bodies)):
+        store(world.bodies[body], VELOCITY, subtract(load(world.bodies[body], VELOCITY), drift))
+    predict_all(world)
+
+
+@kernel
+def energy_counted(world):
+    """What follows from a newly counted energy: the contact time in force, and an instant. Events of a collapsing gas crowd into less."""
+    clock, longest = world.clock, 0.0
+    mass, _ = mean_velocity(world)
+    for kind in range(len(world.kinds)):
+        longest = max(longest, world.kinds[kind, LARGEST] * size_now(clock))
+    thermal_time = longest * sqrt(0.5 * mass / clock[ENERGY]) if clock[ENERGY] > 0 else 0.0
+    clock[ENERGY_BEGAN] = clock[ENERGY]
+    set_contact_time(world.contacts.rule, thermal_time)
+    clock[INSTANT] = INSTANT_SHARE * thermal_time if world.contacts.rule[KIND] != ELASTIC and clock[GROWTH] == 0.0 else 0.0
+
+
+@kernel
 def active_momentum(row, kind):
-    """The part of the angular momentum that collisions change: of a body of revolution in steady motion the part across its axis."""
+    """The part of the angular momentum that collisions change: of smooth bodies of revolution the part across the axis."""
     momentum, axis = load(row, MOMENTUM), int(kind[AXIS])
-    if kind[MOTION] == STILL:
+    if kind[DEGREES] == 0:
         return (0.0, 0.0, 0.0)
-    if kind[MOTION] == FREE or axis == NO_AXIS:
+    if kind[DEGREES] == 3:
         return momentum
     along = load(row, VECTORS + 3 * axis)
     return add_scaled(momentum, -dot(momentum, along) / dot(along, along), along)
@@ -96,15 +162,14 @@ def active_momentum(row, kind):
 
 @kernel
 def kinetic_energy(world):
-    """Energy of all motions that collisions exchange: not that of the common drift, nor of the spin of bodies of revolution."""
-    energy, mass, momentum = 0.0, 0.0, (0.0, 0.0, 0.0)
+    """Energy of all motions that collisions exchange: not that of the common drift, nor of the spin of smooth bodies of revolution."""
+    energy = 0.0
+    _, drift = mean_velocity(world)
     for body in range(len(world.bodies)):
         row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
-        mass += 1 / kind[INVERSE_MASS]
-        momentum = add_scaled(momentum, 1 / kind[INVERSE_MASS], load(row, VELOCITY))
-        active = active_momentum(row, kind)
-        energy += 0.5 * (dot(load(row, VELOCITY), load(row, VELOCITY)) / kind[INVERSE_MASS] + dot(active, turning(row, kind, active)))
-    return max(energy - 0.5 * dot(momentum, momentum) / mass, 0.0)
+        velocity, active = subtract(load(row, VELOCITY), drift), active_momentum(row, kind)
+        energy += 0.5 * (dot(velocity, velocity) / kind[INVERSE_MASS] + dot(active, turning(row, kind, active)))
+    return energy
 
 
 @kernel
@@ -114,6 +179,7 @@ def rescale(world, factor, inertia_factor):
     The spin of a body of revolution about its axis stays, whatever its moment.
     """
     advance_all(world.bodies, world.kinds, world.clock[NOW])
+    store(world.clock, DRIFT, scale(factor, load(world.clock, DRIFT)))
     for body in range(len(world.bodies)):
         row = world.bodies[body]
         store(row, VELOCITY, scale(factor, load(row, VELOCITY)))
@@ -133,6 +199,7 @@ def predict_all(world):
     world.clock[ENERGY_TIME] += world.clock[ENERGY] * (world.clock[NOW] - world.clock[ENERGY_SINCE])
     world.clock[ENERGY_SINCE] = world.clock[NOW]
     world.clock[ENERGY] = kinetic_energy(world)
+    energy_counted(world)
     advance_all(world.bodies, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):
         predict(world, body)

@@ -10,18 +10,25 @@ from ccd.quaternions import to_body, to_lab
 STILL, STEADY, FREE = 0, 1, 2
 
 
-def motions(semi_axes, moments):
-    """(n,): STILL for spheres, STEADY where the inertia is isotropic or of revolution about the axis of the shape, FREE otherwise."""
+def motions(semi_axes, moments, rough=False):
+    """(n,): STILL for spheres, STEADY where the inertia is isotropic or of revolution about the axis of the shape, FREE otherwise.
+
+    Rough bodies feel how their surfaces turn, even spheres: STEADY for isotropic inertia, FREE otherwise.
+    """
     kinds = symmetry_axes(semi_axes)
     axis, n = np.minimum(kinds, 2), np.arange(len(kinds))
     of_revolution = (moments[n, (axis + 1) % 3] == moments[n, (axis + 2) % 3]) & (kinds < NO_AXIS)
     isotropic = (moments == moments[:, :1]).all(axis=1)
+    if rough:
+        return np.where(isotropic, STEADY, FREE)
     return np.where(kinds == SPHERE, STILL, np.where(isotropic | of_revolution, STEADY, FREE))
 
 
-def rotational_degrees(semi_axes, moments):
-    """Rotational degrees of freedom (n,) that collisions of smooth bodies exchange: 0 sphere, 2 body of revolution (whose moments across
-    its axis agree), 3 otherwise."""
+def rotational_degrees(semi_axes, moments, rough=False):
+    """Rotational degrees of freedom (n,) that collisions exchange: of smooth bodies 0 for a sphere, 2 for a body of revolution (whose
+    moments across its axis agree), 3 otherwise; 3 of rough ones."""
+    if rough:
+        return np.full(len(semi_axes), 3)
     motion = motions(semi_axes, moments)
     return np.array([0, 3, 3])[motion] - ((symmetry_axes(semi_axes) < NO_AXIS) & (motion == STEADY))
 
@@ -68,22 +75,23 @@ def own_spin(system):
     return np.where(steady, (1 - along / across) * (system.angular_velocities * u).sum(axis=1), 0.0)
 
 
-def degrees_of_freedom(system):
+def degrees_of_freedom(system, rough=False):
     """Those that exchange energy: 3 n - 3 of translation, and the rotational ones of each body."""
-    return max(3 * system.n - 3, 1) + int(rotational_degrees(system.semi_axes, system.moments).sum())
+    return max(3 * system.n - 3, 1) + int(rotational_degrees(system.semi_axes, system.moments, rough).sum())
 
 
-def kinetic_energies(system):
-    """Translational energy without the common drift, and rotational energy without the spin of spheres and of bodies of revolution."""
+def kinetic_energies(system, rough=False):
+    """Translational energy without the common drift, and rotational energy of the motions that collisions exchange."""
     masses = system.masses[:, None]
     drift = (masses * system.velocities).sum(axis=0) / masses.sum()
     translation = 0.5 * (masses * (system.velocities - drift)**2).sum()
     active = to_body(system.orientations, system.angular_velocities)
-    degrees, axis = rotational_degrees(system.semi_axes, system.moments), np.minimum(symmetry_axes(system.semi_axes), 2)
+    degrees = rotational_degrees(system.semi_axes, system.moments, rough)
+    axis = np.minimum(symmetry_axes(system.semi_axes), 2)
     active[degrees == 2, axis[degrees == 2]] = 0.0
     return translation, 0.5 * (system.moments * active**2)[degrees > 0].sum()
 
 
-def temperature_of(system):
+def temperature_of(system, rough=False):
     """kT = 2 E / degrees of freedom."""
-    return 2 * sum(kinetic_energies(system)) / degrees_of_freedom(system)
+    return 2 * sum(kinetic_energies(system, rough)) / degrees_of_freedom(system, rough)

@@ -122,7 +122,13 @@ def span_of_sides(world, entry, own, n):
     gap = number[SIDE] + 0.5 * age * (number[SIDE_RATE] + rate) - top - clock[ROUNDING]
     there = imaged(world, entry, (0.0, 0.0, 0.0))
     other[SIDE], other[SIDE_RATE], other[SIDE_BEND], other[SINCE] = dot(n, there) - top, -top_rate, below[2], clock[NOW]
-    return min(holding_time(gap, rate - top_rate, number[SIDE_BEND] + below[2]), clock[HORIZON])
+    return _within(clock[HORIZON], holding_time(gap, rate - top_rate, number[SIDE_BEND] + below[2]), number[SIDE_BEND] + below[2])
+
+
+@kernel
+def _within(horizon, span, bend):
+    """A span that bounds within two horizons vouch for; without a bend, of bodies that do not turn, they vouch for all of it."""
+    return span if bend == 0.0 else min(span, horizon)
 
 
 @kernel
@@ -251,7 +257,7 @@ def _predict_block(world, entries, own):
         span = column[SPANS + k]
         if span < clock[REFINE] or column[AGES + k] > clock[HORIZON]:
             span = max(span, renew(world, entry, own))
-        lists.numbers[entry, EVENT] = now + min(span, clock[HORIZON])
+        lists.numbers[entry, EVENT] = now + span
 
 
 @kernel
@@ -265,7 +271,8 @@ def _bound_columns(column, size, own, growing):
         top, top_rate, age = dot(n, position) + height, dot(n, velocity) + rising, column[AGES + k]
         rate = column[RATES + k] - age * column[BENDS + k]
         gap = column[SIDES + k] + 0.5 * age * (column[RATES + k] + rate) - top - rounding
-        column[SPANS + k] = holding_time(gap, rate - top_rate, column[BENDS + k] + bending)
+        bend = column[BENDS + k] + bending
+        column[SPANS + k] = _within(0.5 * horizon, holding_time(gap, rate - top_rate, bend), bend)
         column[SIDES + k], column[RATES + k], column[BENDS + k] = top, top_rate, bending
 
 
@@ -323,7 +330,7 @@ def _look_at_ellipsoids(world, entry, own, other):
     r = imaged(world, entry, subtract(other[0], own[0]))
     n, converged = plane(own, other, r, direction_of(world.lists, entry), EXACT)
     gap, rate, bend, supports = pair_motion(own, other, r, n, clock)
-    time = clock[NOW] + min(holding_time(gap, rate, bend), clock[HORIZON])
+    time = clock[NOW] + _within(clock[HORIZON], holding_time(gap, rate, bend), bend)
     if rate < 0 and converged and (gap <= TOUCHING * supports or time == clock[NOW]):
         return True, rate, n
     if time - clock[NOW] > IMMINENT * clock[REFINE]:

@@ -15,9 +15,9 @@ BODY_ROW = 24
 
 # kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; MOTION: see edmd/inertia.py; ACROSS: the
 # inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
-# UNEQUAL: largest difference of two moments over the third
+# UNEQUAL: largest difference of two moments over the third; DEGREES: of rotation that collisions exchange, 0, 2 or 3
 SEMI_AXES, INVERSE_MASS, INVERSE_MOMENTS, AXIS, ACROSS, SPREAD, LARGEST, BENDING, MARGIN_LENGTH = 0, 3, 4, 7, 8, 9, 10, 11, 12
-MOTION, UNEQUAL = 13, 14
+MOTION, UNEQUAL, DEGREES = 13, 14, 15
 KIND_ROW = 16
 
 # anchors: where a body was, at which size, when its list was made; the search for neighbours needs the first half only of a body too far
@@ -37,12 +37,16 @@ SPAN_ROW = 4
 
 # clock: NOW and every time in the world count from EPOCH. REACH: longest semi-axis plus margin of all bodies at size 1; REACH_SIZE: the
 # largest size of an anchor. REFINE: a time, see tolerances. ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral
-# up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions. ROUNDING: of a position in the cell.
-NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE, ROUNDING = range(13)
-CLOCK_ROW = 16
+# up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions. ENERGY_ERROR: sum over the epochs of
+# the amounts by which ENERGY, as the collisions account for it, had come off what it is, in units of what it was when it was last counted,
+# ENERGY_BEGAN. INSTANT: a span that is no progress. ROUNDING: of a position in the cell. DRIFT: common velocity of all bodies, (3,)
+(NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE, ENERGY_ERROR, ENERGY_BEGAN,
+ INSTANT, ROUNDING, DRIFT) = range(17)
+CLOCK_ROW = 24
 
-# tally. ENTRIES: how many rows of the entries are taken
-COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING = range(8)
+# tally. ENTRIES: how many rows of the entries are taken. SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this
+# epoch). FAINT: weight of the last collisions in a row that were too faint to be told from rounding, the last of them of the FAINT_PAIR
+COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR = range(12)
 TALLY_ROW = 16
 
 
@@ -77,6 +81,13 @@ class Calendar(NamedTuple):
     slot: np.ndarray        # int32 (n,): what the body waits for
 
 
+class Contacts(NamedTuple):
+    """What the rule of the collisions needs; all but its row only where it says so."""
+
+    rule: np.ndarray        # float64 (RULE_ROW,), see edmd/rules/kinds.py
+    last: np.ndarray        # float64 (n,): time of a body's last collision, -inf before; kept with a contact time
+
+
 class World(NamedTuple):
     bodies: np.ndarray      # float64 (n, BODY_ROW)
     kinds: np.ndarray       # float64 (kinds, KIND_ROW)
@@ -87,4 +98,5 @@ class World(NamedTuple):
     calendar: Calendar
     clock: np.ndarray       # float64 (CLOCK_ROW,)
     tally: np.ndarray       # int64 (TALLY_ROW,)
+    contacts: Contacts
     columns: np.ndarray     # float64: where `prediction.predict` works, nothing to keep

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 import boxers
 import ccd
 import ccd_equation
+import cooling
 import robot_arm
 import sweep_compression_rates
 from figures import arm, boxing
@@ -193,6 +194,7 @@ def test_shoots_stop_at_the_first_contact():
     (robot_arm, [], ["robot_arm.png"], "W-7"),
     (ccd_equation, [], ["zero_sets.png", "affine_pair.png"], "Example 2: F has degree"),
     (sweep_compression_rates, ["--replicas", "2"], ["compression_rates.png", "sweep/summary.png"], "rate 0.1   packing fraction 0.6"),
+    (cooling, ["-n", "100", "--until", "10"], ["cooling.png"], "Haff's law says"),
 ], ids=lambda value: getattr(value, "__name__", None))
 def test_each_example_runs_and_leaves_its_files(script, arguments, files, said, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(script, "INSTANTS", (0.0, 0.3), raising=False)         # pictures take most of the time
