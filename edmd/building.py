@@ -9,7 +9,7 @@ from edmd import state
 from edmd.epoch import energy_counted, kinetic_energy, mean_velocity, rebuild_all, reschedule_all
 from edmd.events import Ended
 from edmd.flight import advance_all, set_vectors, turn_still
-from edmd.inertia import STEADY, angular_momenta, motions, rotational_degrees
+from edmd.inertia import angular_momenta, motions, rotational_degrees
 from edmd.neighbors import DONE
 from edmd.prediction import COLUMNS
 from edmd.rules.kinds import KIND, ROUGH, rule_row
@@ -124,7 +124,7 @@ def _kind_rows(system, rough):
     rows[:, state.AXIS] = axis
     rows[:, state.MOTION] = motion
     rows[:, state.DEGREES] = rotational_degrees(semi_axes, moments, rough)
-    rows[:, state.ACROSS] = np.where(motion == STEADY, 1 / moments[np.arange(len(distinct)), (np.minimum(axis, 2) + 1) % 3], 0.0)
+    rows[:, state.ACROSS] = np.where(motion == state.STEADY, 1 / moments[np.arange(len(distinct)), (np.minimum(axis, 2) + 1) % 3], 0.0)
     rows[:, state.UNEQUAL] = (abs(np.roll(moments, 1, axis=1) - np.roll(moments, 2, axis=1)) / moments).max(axis=1)
     rows[:, state.SPREAD] = largest - smallest
     rows[:, state.LARGEST] = largest

@@ -6,11 +6,11 @@ from ccd.precession import NO_AXIS
 from ccd.rotation import body_axes, load_quaternion, turn
 from ccd.separation import semi_axis_vectors
 from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store
-from edmd.inertia import FREE, STILL
 from edmd.state import (
     ACROSS,
     AXIS,
     BENDING,
+    FREE,
     INVERSE_MOMENTS,
     KIND,
     LARGEST,
@@ -20,6 +20,7 @@ from edmd.state import (
     POSITION,
     SEMI_AXES,
     SPREAD,
+    STILL,
     TIME,
     UNEQUAL,
     VECTORS,
@@ -53,7 +54,7 @@ def position_at(row, now):
 
 @kernel
 def turning(row, kind, momentum):
-    """The angular velocity at which the shape turns now with this angular momentum, eqs. (12) and (12a)."""
+    """The angular velocity at which the shape turns now with this angular momentum, eqs. (12) and (12b)."""
     if kind[MOTION] == FREE:
         return angular_velocity(load_quaternion(row, ORIENTATION), momentum, load(kind, INVERSE_MOMENTS))
     return scale(kind[ACROSS], momentum)

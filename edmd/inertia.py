@@ -5,9 +5,7 @@ import numpy as np
 from ccd import checks
 from ccd.precession import NO_AXIS, SPHERE, symmetry_axes
 from ccd.quaternions import to_body, to_lab
-
-# how a shape moves in free flight: not at all, at the constant rate L / I_perp (eq. (12)), or as a free top (eq. (12a))
-STILL, STEADY, FREE = 0, 1, 2
+from edmd.state import FREE, STEADY, STILL
 
 
 def motions(semi_axes, moments, rough=False):

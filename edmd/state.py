@@ -13,12 +13,15 @@ POSITION, VELOCITY, TIME, KIND = 0, 3, 6, 7
 VECTORS, MOMENTUM, ORIENTATION = 8, 17, 20
 BODY_ROW = 24
 
-# kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; MOTION: see edmd/inertia.py; ACROSS: the
+# kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; ACROSS: the
 # inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
 # UNEQUAL: largest difference of two moments over the third; DEGREES: of rotation that collisions exchange, 0, 2 or 3
 SEMI_AXES, INVERSE_MASS, INVERSE_MOMENTS, AXIS, ACROSS, SPREAD, LARGEST, BENDING, MARGIN_LENGTH = 0, 3, 4, 7, 8, 9, 10, 11, 12
 MOTION, UNEQUAL, DEGREES = 13, 14, 15
 KIND_ROW = 16
+
+# motions: how a shape moves in free flight: not at all, at the constant rate L / I_perp (eq. (12)), or as a free top (eq. (12b))
+STILL, STEADY, FREE = 0, 1, 2
 
 # anchors: where a body was, at which size, when its list was made; the search for neighbours needs the first half only of a body too far
 ANCHOR_POSITION, ANCHOR_RADIUS, ANCHOR_MARGIN, ANCHOR_SIZE, ESCAPE_TIME, ANCHOR_VECTORS = 0, 3, 4, 5, 6, 7

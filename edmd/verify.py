@@ -12,7 +12,7 @@ from ccd.culling import close_pairs
 from edmd import state
 from edmd.epoch import kinetic_energy
 from edmd.flight import advance_all
-from edmd.inertia import FREE, angular_velocities
+from edmd.inertia import angular_velocities
 
 DEPTH = 1e-11           # relative depth up to which a touching pair may read as overlapping
 ENERGY_ERROR = 1e-10    # relative
@@ -157,7 +157,7 @@ def _check_predictions(world):
     rows = world.bodies.copy()
     advance_all(rows, world.kinds, now)
     kinds = world.kinds[rows[:, state.KIND].astype(int)]
-    momenta, free = rows[:, state.MOMENTUM:state.MOMENTUM + 3], kinds[:, state.MOTION] == FREE
+    momenta, free = rows[:, state.MOMENTUM:state.MOMENTUM + 3], kinds[:, state.MOTION] == state.FREE
     moments = np.where(free[:, None], 1 / kinds[:, state.INVERSE_MOMENTS:state.INVERSE_MOMENTS + 3], 1.0)      # equal ones turn steadily
     spin = np.where(free[:, None], angular_velocities(rows[:, state.ORIENTATION:state.ORIENTATION + 4], momenta, moments),
                     kinds[:, state.ACROSS, None] * momenta)
