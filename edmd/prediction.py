@@ -332,6 +332,7 @@ def _look_at_ellipsoids(world, entry, own, other):
     gap, rate, bend, supports = pair_motion(own, other, r, n, clock)
     time = clock[NOW] + _within(clock[HORIZON], holding_time(gap, rate, bend), bend)
     if rate < 0 and converged and (gap <= TOUCHING * supports or time == clock[NOW]):
+        hold(world, entry, own, other, n)                   # a plane that cuts into the bodies would say nothing of what comes next
         return True, rate, n
     if time - clock[NOW] > IMMINENT * clock[REFINE]:
         hold(world, entry, own, other, n)

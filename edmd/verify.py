@@ -168,7 +168,8 @@ def _check_predictions(world):
                             part[:, state.ORIENTATION:state.ORIENTATION + 4], part[:, state.VELOCITY:state.VELOCITY + 3],
                             spin[index], clock[state.GROWTH] / size, moments[index] if free.any() else None)
     free_time = clock[state.REFINE]
-    longest = max(min(span.max(), 100 * free_time), 1e-300)
+    shrunk = 0.5 * size / -clock[state.GROWTH] if clock[state.GROWTH] < 0 else np.inf
+    longest = max(min(span.max(), 100 * free_time, shrunk), 1e-300)
     a = bodies(body[held], 0.0)
     b = bodies(world.lists.links[entry, state.PARTNER], _images(world, entry) @ world.grid.box)
     time, status = batch.first_contact(a, b, longest)
