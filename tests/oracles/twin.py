@@ -2,8 +2,8 @@
 
 First contacts by sampling: a window of time is cut into segments, each is looked at in its middle and dropped when the plane that best
 separates the bodies there cannot be reached within it, and the rest is cut again, down to 1e-6 of the window; where bodies overlap in a
-middle the root of the touching scale is found between that and the segment before. Contacts are impulses by the reference formula. A body with two
-equal moments turns as a symmetric top, any other by an integration of Euler's equations.
+middle the root of the touching scale is found between that and the segment before. Contacts are impulses by the reference formula. A body
+with two equal moments turns as a symmetric top, any other by an integration of Euler's equations.
 """
 
 from itertools import product
