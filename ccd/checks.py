@@ -29,6 +29,13 @@ def semi_axes(name, value, shape=(3,), what="three positive lengths"):
     return array
 
 
+def principal_moments(name, value, shape=(3,), what="three positive moments of inertia"):
+    array = real_array(name, value, shape, what)
+    if not (array > 0).all():
+        raise ValueError(f"{name} = {value!r}: every moment of inertia must be positive")
+    return array
+
+
 def unit_quaternions(name, value, shape=(4,), what="a quaternion (w, x, y, z)"):
     """Quaternions made unit; zero ones are refused."""
     array = real_array(name, value, shape, what)
