@@ -158,7 +158,7 @@ class Twin:
         def beyond(time):
             return self._looked_at(np.array([i]), np.array([j]), shift[None], np.array([time]), PRECISE)[0][0] - 1
         before = max(inside - 2 * width, self.time)
-        return brentq(beyond, before, inside, xtol=1e-300, rtol=1e-15) if beyond(before) > 0 else before
+        return brentq(beyond, before, inside, xtol=1e-7 * width, rtol=1e-15) if beyond(before) > 0 else before
 
     def _collide(self, time, i, j, shift):
         self._bring(i, time)
