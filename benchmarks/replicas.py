@@ -3,7 +3,7 @@
     python benchmarks/replicas.py --threads 2
 
 `scaling`: collisions per wall second of all threads over that of one, both measured in alternation; `cores_used`: CPU seconds per wall
-second while the threads run. On a machine where others work too, their ratio is what the threads themselves lose. One line of JSON.
+second while they run, by one and by all: where others work too, that says what the machine gave. One line of JSON.
 """
 
 import argparse
@@ -37,11 +37,13 @@ def main():
         one.append(timed(replicas[:1], options.collisions))
         all_of_them.append(timed(replicas, options.collisions))
     alone, together = np.median(one, axis=0), np.median(all_of_them, axis=0)
-    print(json.dumps({"benchmark": "replicas", "threads": options.threads, "cores": os.cpu_count(), "n": options.n,
-                      "collisions_per_second_one": round(options.collisions / alone[0]),
-                      "collisions_per_second_all": round(options.threads * options.collisions / together[0]),
-                      "scaling": round(options.threads * alone[0] / together[0], 2), "cores_used": round(together[1] / together[0], 2),
-                      "cpu_a_collision_relative_to_one": round(together[1] / options.threads / alone[1], 2), **provenance()}))
+    print(json.dumps({
+        "benchmark": "replicas", "threads": options.threads, "cores": os.cpu_count(), "n": options.n,
+        "collisions_per_second_one": round(options.collisions / alone[0]),
+        "collisions_per_second_all": round(options.threads * options.collisions / together[0]),
+        "scaling": round(options.threads * alone[0] / together[0], 2),
+        "cores_used": [round(cpu / wall, 2) for wall, cpu in (alone, together)],
+        "cpu_a_collision_relative_to_one": round(together[1] / options.threads / alone[1], 2), **provenance()}))
 
 
 def timed(replicas, collisions):
