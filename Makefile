@@ -28,4 +28,5 @@ lint: .venv/installed-for-tests
 	$(BIN)/lint-imports
 
 clean:
-	rm -rf .venv demo boxers robot_arm ccd_equation compression_rates build *.egg-info .pytest_cache .hypothesis .ruff_cache .import_linter_cache
+	rm -rf .venv demo boxers robot_arm ccd_equation compression_rates packing_by_aspect_ratio isotropic_to_nematic \
+		equation_of_state crystal_from_ase contacts_of_a_frame build *.egg-info .pytest_cache .hypothesis .ruff_cache .import_linter_cache
