@@ -1,7 +1,5 @@
 """How do curves look? One style for all figures: those of `edmd plot`, of the examples, and a user's own."""
 
-from matplotlib.figure import Figure
-
 BLUE, ORANGE, GREEN = COLOURS = ("#1f4e8c", "#c8551e", "#3a7d44")
 POINTS = {"fmt": "o", "markersize": 4, "capsize": 2.5, "elinewidth": 0.9, "linewidth": 1.2}        # of Axes.errorbar
 
@@ -11,6 +9,8 @@ def panels(rows=1, columns=1, size=(4.8, 3.6), **layout):
 
     `size` in inches. It needs no display and no pyplot: draw, then `figure.savefig("name.pdf")`.
     """
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=size, layout="constrained")
     made = figure.subplots(rows, columns, **layout)
     for axes in figure.axes:
