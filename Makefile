@@ -35,5 +35,5 @@ docs: .venv/installed-for-docs
 	$(BIN)/mkdocs build --quiet
 
 clean:
-	rm -rf .venv demo boxers robot_arm ccd_equation compression_rates packing_by_aspect_ratio isotropic_to_nematic \
+	rm -rf .venv demo cooling boxers robot_arm ccd_equation compression_rates packing_by_aspect_ratio isotropic_to_nematic \
 		equation_of_state crystal_from_ase contacts_of_a_frame build site *.egg-info .pytest_cache .hypothesis .ruff_cache .import_linter_cache

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 
-from ccd import blocks, checks, flight_blocks, separation
+from ccd import blocks, checks, flight_blocks, separation, top_contact
 from ccd.characteristic import UNCERTAIN, decided_state
 from ccd.compiling import parallel_kernel
 from ccd.tolerances import SHARP
@@ -15,7 +15,11 @@ from ccd.vectors import load
 @dataclass(frozen=True, eq=False)
 class Bodies:
     """n ellipsoids as arrays: semi_axes (n, 3) or (3,) for all, center (n, 3), orientation (n, 4), velocity (n, 3),
-    angular_velocity (n, 3) in the lab frame, growth_rate (n,) or one number. What moves may be left out: at rest."""
+    angular_velocity (n, 3) in the lab frame, growth_rate (n,) or one number. What moves may be left out: at rest.
+
+    moments (n, 3) or (3,) for all: the bodies turn freely with these principal moments, as in `ccd.FreeFlight`; angular_velocity is that at
+    t = 0. Without them each turns at its constant angular velocity.
+    """
 
     semi_axes: np.ndarray
     center: np.ndarray
@@ -23,6 +27,7 @@ class Bodies:
     velocity: np.ndarray = None
     angular_velocity: np.ndarray = None
     growth_rate: np.ndarray = None
+    moments: np.ndarray = None
 
     def __post_init__(self):
         center = checks.real_array("center", self.center, (None, 3), "an array (n, 3)")
@@ -36,6 +41,9 @@ class Bodies:
         for name in ("velocity", "angular_velocity"):
             value = getattr(self, name)
             values[name] = np.zeros((n, 3)) if value is None else checks.real_array(name, value, (n, 3), f"an array ({n}, 3)")
+        if self.moments is not None:
+            moments = np.tile(self.moments, (n, 1)) if np.ndim(self.moments) == 1 else self.moments
+            values["moments"] = checks.principal_moments("moments", moments, (n, 3), f"({n}, 3) positive moments of inertia")
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
@@ -120,7 +128,10 @@ def first_contact(bodies_a, bodies_b, t_max=1.0):
         if (1 + bodies.growth_rate * t_max <= 0).any():
             raise ValueError(f"{name}.growth_rate: the semi-axes of a body would vanish before t_max = {t_max}")
     time, status = np.empty(len(bodies_a)), np.empty(len(bodies_a), dtype=np.int8)
-    flight_blocks.first_contacts(_flights(bodies_a), _flights(bodies_b), t_max, time, status)
+    if bodies_a.moments is None and bodies_b.moments is None:
+        flight_blocks.first_contacts(_flights(bodies_a), _flights(bodies_b), t_max, time, status)
+    else:
+        top_contact.first_contacts(_tops(bodies_a), _tops(bodies_b), t_max, time, status)
     return time, status
 
 
@@ -161,3 +172,8 @@ def _affine_contact_functions(g, t, f):
 
 def _flights(bodies):
     return *_pose(bodies), bodies.velocity, bodies.angular_velocity, bodies.growth_rate
+
+
+def _tops(bodies):
+    moments = np.ones((len(bodies), 3)) if bodies.moments is None else bodies.moments
+    return *_pose(bodies), bodies.velocity, bodies.angular_velocity, moments.min(axis=1, keepdims=True) / moments, bodies.growth_rate

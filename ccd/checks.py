@@ -29,6 +29,13 @@ def semi_axes(name, value, shape=(3,), what="three positive lengths"):
     return array
 
 
+def principal_moments(name, value, shape=(3,), what="three positive moments of inertia"):
+    array = real_array(name, value, shape, what)
+    if not (array > 0).all():
+        raise ValueError(f"{name} = {value!r}: every moment of inertia must be positive")
+    return array
+
+
 def unit_quaternions(name, value, shape=(4,), what="a quaternion (w, x, y, z)"):
     """Quaternions made unit; zero ones are refused."""
     array = real_array(name, value, shape, what)
@@ -38,13 +45,13 @@ def unit_quaternions(name, value, shape=(4,), what="a quaternion (w, x, y, z)"):
     return np.where(abs(length - 1) < UNIT, array, array / length)          # what is unit already keeps its bits
 
 
-def real_number(name, value, what="a number", above=-np.inf, at_least=-np.inf, below=np.inf):
-    """A finite float; `above` and `below` are open bounds, `at_least` is closed."""
+def real_number(name, value, what="a number", above=-np.inf, at_least=-np.inf, below=np.inf, at_most=np.inf):
+    """A finite float; `above` and `below` are open bounds, `at_least` and `at_most` are closed."""
     try:
         number = float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} = {value!r}: expected {what}") from None
-    if not (np.isfinite(number) and number > above and number >= at_least and number < below):
+    if not (np.isfinite(number) and number > above and at_least <= number <= at_most and number < below):
         raise ValueError(f"{name} = {value!r}: expected {what}")
     return number
 

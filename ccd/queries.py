@@ -14,6 +14,7 @@ from ccd.rotation import body_axes
 from ccd.separation import contact_function, contact_point, normal, relative_pose, semi_axis_vectors, shape_matrix, support
 from ccd.status import State, Status
 from ccd.tolerances import SHARP, SHOOT_STEPS, TOUCHING_STATE
+from ccd.top_contact import at_time, free_top_contact
 from ccd.vectors import dot, subtract
 
 
@@ -49,7 +50,8 @@ def separation(a, b):
 def first_contact(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
     """The first contact of two moving ellipsoids within t_span. -> Contact
 
-    a, b: Ellipsoid. Both in FreeFlight or at Rest(), from their own poses at t = 0: by the certified shoot (docs/theory.md, section 2).
+    a, b: Ellipsoid. Both in FreeFlight or at Rest(), from their own poses at t = 0: by the certified shoot (docs/theory.md, section 2),
+    where one of them turns freely with moments of its own by a simpler one that takes more steps.
     Rational motions, with Rest() or FreeFlight without rotation as the other: by recursive Bézier shoots on the CCD equation (paper,
     Sec. 3.3). Status OVERLAPPING when the bodies overlap at t_span[0] already, and UNRESOLVED where float64 cannot tell. Contact times
     are good to 1e-12 of the span at regular contacts.
@@ -58,8 +60,13 @@ def first_contact(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
         return CCDEquation(a, motion_a, b, motion_b, t_span).first_contact()
     _check_ellipsoids(a, b)
     start, end = time_span("t_span", t_span)
-    status, time, n, point, steps = free_flight_contact(_flight("motion_a", a, motion_a, start, end),
-                                                        _flight("motion_b", b, motion_b, start, end), end - start)
+    _check_growth("motion_a", motion_a, start, end)
+    _check_growth("motion_b", motion_b, start, end)
+    if motion_a.moments is None and motion_b.moments is None:
+        found = free_flight_contact(_flight(a, motion_a, start), _flight(b, motion_b, start), end - start)
+    else:
+        found = free_top_contact(_top(a, motion_a, start), _top(b, motion_b, start), end - start)
+    status, time, n, point, steps = found
     if status == Status.NO_CONTACT:
         n = point = (np.nan,) * 3
     return Contact(Status(status), start + time, np.array(point), np.array(n), steps, _reason(status, start + time, steps))
@@ -87,14 +94,25 @@ def _check_ellipsoids(a, b):
             raise ValueError(f"{name} = {body!r}: expected a ccd.Ellipsoid")
 
 
-def _flight(name, body, motion, start, end):
-    """The flight from t = start on, as the kernel takes it."""
-    size_start, size_end = 1 + motion.growth_rate * start, 1 + motion.growth_rate * end
-    if min(size_start, size_end) <= 0:
+def _check_growth(name, motion, start, end):
+    if min(1 + motion.growth_rate * start, 1 + motion.growth_rate * end) <= 0:
         raise ValueError(f"{name}.growth_rate = {motion.growth_rate}: the semi-axes would vanish within t_span = ({start}, {end})")
+
+
+def _flight(body, motion, start):
+    """The flight from t = start on, as the kernel takes it."""
+    size = 1 + motion.growth_rate * start
     orientation = products(rotations(motion.angular_velocity[None] * start), body.orientation[None])[0]
-    return (_tuple(body.semi_axes * size_start), _tuple(body.center + motion.velocity * start), _tuple(orientation),
-            _tuple(motion.velocity), _tuple(motion.angular_velocity), motion.growth_rate / size_start)
+    return (_tuple(body.semi_axes * size), _tuple(body.center + motion.velocity * start), _tuple(orientation),
+            _tuple(motion.velocity), _tuple(motion.angular_velocity), motion.growth_rate / size)
+
+
+def _top(body, motion, start):
+    """The same for the kernel that takes free bodies: equal moments turn at a constant rate."""
+    inverse_moments = (1.0, 1.0, 1.0) if motion.moments is None else _tuple(motion.moments.min() / motion.moments)
+    flight = (_tuple(body.semi_axes), _tuple(body.center), _tuple(body.orientation), _tuple(motion.velocity),
+              _tuple(motion.angular_velocity), inverse_moments, motion.growth_rate)
+    return flight if start == 0 else at_time(flight, start)
 
 
 def _tuple(array):

@@ -3,6 +3,7 @@
 from math import cos, pi, sin, sqrt
 
 from ccd.compiling import kernel
+from ccd.vectors import add, add_scaled, cross, scale
 
 SERIES_BELOW = 0.25      # squared half-angle up to which eight terms of the series are exact to the last bit
 TURN_HIGH, TURN_LOW = 2 * pi, 2.4492935982947064e-16     # a whole turn, and what float64 leaves of it
@@ -24,17 +25,32 @@ def multiply(p, q):
 
 
 @kernel
+def to_body(q, vector):
+    """A vector given in the lab, in the frame of the body."""
+    return to_lab((q[0], -q[1], -q[2], -q[3]), vector)
+
+
+@kernel
+def to_lab(q, vector):
+    """A vector given in the frame of the body, in the lab."""
+    u = (q[1], q[2], q[3])
+    twice = scale(2.0, cross(u, vector))
+    return add(add_scaled(vector, q[0], twice), cross(u, twice))
+
+
+@kernel
 def _series(z):
-    """cos x and sin x / x from z, x squared, below SERIES_BELOW."""
-    c = 1 - z * (1 / 2 - z * (1 / 24 - z * (1 / 720 - z * (1 / 40320 - z * (1 / 3628800 - z * (1 / 479001600
-        - z * (1 / 87178291200)))))))
-    s = 1 - z * (1 / 6 - z * (1 / 120 - z * (1 / 5040 - z * (1 / 362880 - z * (1 / 39916800 - z * (1 / 6227020800
-        - z * (1 / 1307674368000)))))))
+    """cos x and sin x / x from z, x squared, below SERIES_BELOW. In pairs, and pairs of pairs, that the processor adds side by side."""
+    zz = z * z
+    c = (((1 - z * (1 / 2)) + zz * (1 / 24 - z * (1 / 720)))
+         + zz * zz * ((1 / 40320 - z * (1 / 3628800)) + zz * (1 / 479001600 - z * (1 / 87178291200))))
+    s = (((1 - z * (1 / 6)) + zz * (1 / 120 - z * (1 / 5040)))
+         + zz * zz * ((1 / 362880 - z * (1 / 39916800)) + zz * (1 / 6227020800 - z * (1 / 1307674368000))))
     return c, s
 
 
 @kernel
-def _cos_and_sinc(square):
+def cos_and_sinc(square):
     """cos x and sin x / x from x squared. Flights between events turn a body by little: the series saves two library calls."""
     if square < SERIES_BELOW:
         return _series(square)
@@ -60,7 +76,7 @@ def turn(q, angular_velocity, time):
     """The orientation q after turning at a constant angular velocity (lab frame) for some time, made unit again."""
     half = 0.5 * time
     x, y, z = half * angular_velocity[0], half * angular_velocity[1], half * angular_velocity[2]
-    c, s = _cos_and_sinc(x * x + y * y + z * z)
+    c, s = cos_and_sinc(x * x + y * y + z * z)
     return _turned(q, (c, s * x, s * y, s * z))
 
 

@@ -31,3 +31,7 @@ HALVINGS = 12               # cap of that
 EXTREME = 1e250             # det X of one body times the other's denominators, or its inverse, from which F is not held
 TANGENT = 1e-3              # width, in units of the time span, up to which a TOUCHING piece is one tangential contact
 CONTACT_EXCESS = 1e-9       # |f - 1| up to which the end of an interval is a contact that has a point
+SHORT_TURN = 5e-3           # squared radians that a free top swerves in half the time up to which its series are exact to the last bits
+STEADY = 1e-34              # share of them, by which the momentum moves in the body, below which it turns steadily: 1e-17 of an angle
+DOUBLINGS = 600             # cap of doubling a time; any flight that float64 can hold takes fewer
+PERIOD = 1e-40              # squared radians, far below rounding, that keep what divides from 0 half a period from a pole

@@ -5,20 +5,23 @@ from typing import NamedTuple
 import numpy as np
 
 from edmd import state
-from edmd.epoch import kinetic_energy, rebuild_all, reschedule_all
+from edmd.epoch import energy_counted, kinetic_energy, mean_velocity, rebuild_all, reschedule_all
 from edmd.events import Ended
 from edmd.flight import advance_all, set_vectors
 from edmd.inertia import rotational_degrees, shape_turning
 from edmd.neighbors import DONE
-from edmd.state import Calendar, Grid, Lists, Pairs, World
+from edmd.rules.kinds import KIND, ROUGH, rule_row
+from edmd.spin import own_spins
+from edmd.state import Calendar, Contacts, Grid, Lists, Pairs, World
 from edmd.system import wrap
-from edmd.tolerances import CELL_FRACTION, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, REFINE_BELOW
+from edmd.tolerances import CELL_FRACTION, DRIFTED, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, REFINE_BELOW
 
 
-def build_world(system):
+def build_world(system, rule):
     """A World at time 0 with lists and predictions made. The bodies must not overlap (the caller has checked)."""
     n = system.n
-    bodies = _body_rows(system)
+    contacts = Contacts(rule_row(rule), np.full(n, -np.inf), 1 / system.moments, np.zeros(n))
+    bodies = _body_rows(system, contacts.rule[KIND] == ROUGH)
     longest = bodies[:, state.LARGEST] + bodies[:, state.MARGIN_LENGTH]
     _check_cell(system, longest.max())
     clock = np.zeros(state.CLOCK_ROW)
@@ -30,9 +33,13 @@ def build_world(system):
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     world = World(bodies, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(n, LIST_ROOM),
-                  _pairs(n * LIST_ROOM // 2), _grid(system, 2 * longest.max()), _calendar(n), clock, tally)
+                  _pairs(n * LIST_ROOM // 2), _grid(system, 2 * longest.max()), _calendar(n), clock, tally, contacts)
     world.tally[state.FREE_PAIRS] = len(world.pairs.free)
     clock[state.ENERGY] = kinetic_energy(world)
+    mass, drift = mean_velocity(world)
+    if 0.5 * mass * np.dot(drift, drift) > DRIFTED * clock[state.ENERGY]:           # or it is rounding
+        clock[state.DRIFT:state.DRIFT + 3] = drift
+    energy_counted(world)
     world, status = with_room(world, rebuild_all)
     if status != DONE:
         raise ValueError(cell_too_small(system.box))
@@ -50,21 +57,27 @@ def with_room(world, action, *arguments):
 
 
 class Synchronised(NamedTuple):
-    """Bodies at one time: positions (n, 3) inside the cell, velocities (n, 3), orientations (n, 4) and turning (n, 3) of their shapes."""
+    """Bodies at one time: positions (n, 3) inside the cell, velocities (n, 3), orientations (n, 4) and turning (n, 3) of their shapes; of
+    rough ones the angle (n,) about their symmetry axes by which they are ahead of their shapes, and its rate (n,)."""
 
     positions: np.ndarray
     velocities: np.ndarray
     orientations: np.ndarray
     turning: np.ndarray
+    phase: np.ndarray
+    spin: np.ndarray
 
 
 def synchronised_rows(world, order):
     """The bodies of now in some order (n,), as copies, and the images (n, 3) of their positions. The world is not touched."""
-    rows = world.bodies[order]
-    advance_all(rows, world.clock[state.NOW])
+    rows, now, spin = world.bodies[order], world.clock[state.NOW], np.zeros(len(order))
+    advance_all(rows, now)
+    if world.contacts.rule[KIND] == ROUGH:
+        own_spins(rows, world.contacts.inverse_moments[order], spin)
     positions, outside = wrap(rows[:, state.POSITION:state.POSITION + 3], world.grid.box)
-    return Synchronised(positions, rows[:, state.VELOCITY:state.VELOCITY + 3], rows[:, state.ORIENTATION:state.ORIENTATION + 4],
-                        rows[:, state.TURNING:state.TURNING + 3]), world.image[order] + outside
+    bodies = Synchronised(positions, rows[:, state.VELOCITY:state.VELOCITY + 3], rows[:, state.ORIENTATION:state.ORIENTATION + 4],
+                          rows[:, state.TURNING:state.TURNING + 3], world.contacts.phase[order] + spin * now, spin)
+    return bodies, world.image[order] + outside
 
 
 def flattened(world, prefix=""):
@@ -78,7 +91,7 @@ def flattened(world, prefix=""):
 
 def unflattened(arrays):
     """The World of `flattened` arrays."""
-    parts = {"lists": Lists, "grid": Grid, "calendar": Calendar}
+    parts = {"lists": Lists, "grid": Grid, "calendar": Calendar, "contacts": Contacts}
     fields = {name: kind(*(np.ascontiguousarray(arrays[f"{name}.{field}"]) for field in kind._fields)) for name, kind in parts.items()}
     for name in ("bodies", "anchors"):
         fields[name] = _aligned_copy(arrays[name])
@@ -99,9 +112,9 @@ def _check_cell(system, longest):
         raise ValueError(f"{cell_too_small(system.box)}: its smallest width is {heights.min():.6g}, and {2 * longest:.6g} is needed")
 
 
-def _body_rows(system):
+def _body_rows(system, rough):
     n, semi_axes = system.n, system.semi_axes
-    turning, across, _ = shape_turning(system)
+    turning, across, _ = shape_turning(system, rough)
     rows = _aligned(n, state.BODY_ROW)
     rows[:, state.POSITION:state.POSITION + 3] = system.positions
     rows[:, state.VELOCITY:state.VELOCITY + 3] = system.velocities
@@ -111,7 +124,7 @@ def _body_rows(system):
     smallest, largest = semi_axes.min(axis=1), semi_axes.max(axis=1)
     rows[:, state.BEND] = (turning**2).sum(axis=1) * (largest**2 - smallest**2) / smallest
     rows[:, state.INVERSE_MASS] = 1 / system.masses
-    rows[:, state.INVERSE_INERTIA] = np.where(rotational_degrees(semi_axes) > 0, 1 / across, 0.0)
+    rows[:, state.INVERSE_INERTIA] = np.where(rough | (rotational_degrees(semi_axes) > 0), 1 / across, 0.0)
     rows[:, state.SPREAD] = largest - smallest
     rows[:, state.LARGEST] = largest
     rows[:, state.MARGIN_LENGTH] = MARGIN * np.cbrt(semi_axes.prod(axis=1))

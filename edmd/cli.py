@@ -191,10 +191,12 @@ def _sweep(options):
 
 
 def _told(options, path, simulation):
+    spared = simulation.contact_time_collisions
     if not options.quiet:
         _say({"packing fraction": f"{simulation.packing_fraction:.6f}", "reduced pressure": f"{simulation.compressibility_factor:.6g}",
               "temperature": f"{simulation.temperature:.6g}", "nematic order": f"{simulation.nematic_order:.4f}",
-              "time": f"{simulation.time:.6g}", "collisions": simulation.collisions, "file": path})
+              "time": f"{simulation.time:.6g}", "collisions": simulation.collisions,
+              **({"made elastic (TC)": spared} if spared else {}), "file": path})
     return 0
 
 
@@ -206,7 +208,8 @@ def _info(options):
         own = dict(file["edmd"].attrs)
     summary = summarize(options.file, gap=options.contact_gap)
     _say({"written by": f"edmd {own['version']}, {own['created']}", "platform": own["platform"], "parameters": own["parameters"],
-          "seed": own["seed"], "complete": bool(own["complete"]), "frames": summary["frames"], "bodies": summary["bodies"],
+          "seed": own["seed"], "rule": own.get("rule", "elastic"), "made elastic (TC)": own.get("contact_time_collisions", 0),
+          "complete": bool(own["complete"]), "frames": summary["frames"], "bodies": summary["bodies"],
           "time": f"{summary['time']:.6g}", "collisions": summary["collisions"], "packing fraction": f"{summary['packing_fraction']:.9f}",
           "reduced pressure": f"{summary['reduced_pressure']:.4g} (since the frame before)",
           "contacts a body": f"{summary['contact_number']:.3f}",

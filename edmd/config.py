@@ -1,7 +1,7 @@
 """What a run is: the one schema of `edmd run` files, their checks in words, and the text with every default that a person starts from.
 
-A config is TOML: a seed, a [system], one [[stage]] after another, an [output]. Each is a dataclass below; the annotation of a field holds
-its type, what it means, and the check of its value.
+A config is TOML: a seed, a [system], a [rule] of collisions, one [[stage]] after another, an [output]. Each is a dataclass, below or in
+edmd/rules; the annotation of a field holds its type, what it means, and the check of its value.
 """
 
 import copy
@@ -16,6 +16,8 @@ from typing import Annotated, Any, get_type_hints
 from ccd import checks
 from edmd.initial import LATTICES
 from edmd.observers import Every, Logarithmic, Milestones
+from edmd.rules.kinds import RULES
+from edmd.rules.rule import Rule
 from edmd.simulation import JAMMED
 
 Check = Callable[[str, Any], Any]
@@ -197,17 +199,18 @@ class Config:
     system: Lattice | Crystal | Random | File
     stages: tuple
     output: Output
+    rule: Rule
 
     def document(self):
         """The config as TOML or JSON hold it, with every default in its place."""
-        return {"seed": self.seed, "system": _document(self.system), "stage": [_document(stage) for stage in self.stages],
-                "output": _document(self.output)}
+        return {"seed": self.seed, "system": _document(self.system), "rule": self.rule.document(),
+                "stage": [_document(stage) for stage in self.stages], "output": _document(self.output)}
 
 
 SYSTEMS = {kind.kind: kind for kind in (Lattice, Crystal, Random, File)}
 STAGES = {kind.kind: kind for kind in (Run, Compress)}
 _seed = whole_number("a whole number from 0 on")
-SECTIONS = ("seed", "system", "stage", "output")
+SECTIONS = ("seed", "system", "rule", "stage", "output")
 DEFAULT = {"stage": [{"kind": "run", "collisions_per_particle": 100.0}, {"kind": "compress", "until_packing_fraction": 0.5},
                      {"kind": "run", "collisions_per_particle": 100.0}]}
 
@@ -251,6 +254,9 @@ def config_text(document=DEFAULT):
     parts.append("\n".join(["[system]", *_kind_lines(config.system)]))
     parts += ["\n".join(["# " + line for line in ["or:  [system]", *_kind_lines(kind())]])
               for name, kind in SYSTEMS.items() if name != config.system.kind]
+    parts.append("\n".join(["[rule]", *_kind_lines(config.rule)]))
+    parts += ["\n".join(["# " + line for line in ["or:  [rule]", *_kind_lines(kind())]])
+              for name, kind in RULES.items() if name != config.rule.kind]
     parts += ["\n".join(["[[stage]]", *_kind_lines(stage)]) for stage in config.stages]
     parts.append("\n".join(["[output]", *_lines(config.output)]))
     return "\n\n".join(parts) + "\n"
@@ -286,7 +292,7 @@ def _checked(document):
         raise ValueError("stage: expected at least one [[stage]], such as kind = \"run\", time = 10.0")
     return Config(_seed("seed", document.get("seed", 0)), _of_kind("system", document.get("system", {}), SYSTEMS, "lattice"),
                   tuple(_of_kind(f"stage.{i}", stage, STAGES, None) for i, stage in enumerate(stages)),
-                  checked_section("output", document.get("output", {}), Output))
+                  checked_section("output", document.get("output", {}), Output), _of_kind("rule", document.get("rule", {}), RULES, "elastic"))
 
 
 def _of_kind(name, table, kinds, default):

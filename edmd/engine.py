@@ -5,12 +5,12 @@ from edmd.collision import collide
 from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
 from edmd.prediction import look, predict, reschedule
-from edmd.state import COLLISIONS, EVENTS, NEXT_EPOCH, NOW, STANDING
-from edmd.tolerances import EVENTS_AT_ONCE, STALL_EVENTS
+from edmd.state import COLLISIONS, EVENTS, FAINT, INSTANT, NEXT_EPOCH, NOW, STANDING
+from edmd.tolerances import EVENTS_AT_ONCE, FAINT_COLLISIONS, FOREVER, STALL_EVENTS
 
 ESCAPE = int(EventKind.ESCAPE)
-TIME, COLLISIONS_REACHED, EPOCH, PAUSED, STALLED = (int(Ended.TIME), int(Ended.COLLISIONS), int(Ended.EPOCH), int(Ended.PAUSED),
-                                                    int(Ended.STALLED))
+TIME, COLLISIONS_REACHED, EPOCH, PAUSED, STALLED, AT_REST = (int(Ended.TIME), int(Ended.COLLISIONS), int(Ended.EPOCH),
+                                                             int(Ended.PAUSED), int(Ended.STALLED), int(Ended.AT_REST))
 
 
 @kernel
@@ -25,10 +25,12 @@ def advance_events(world, until_time, until_collisions):
             return EPOCH
         time, body = calendar.time[1], int(calendar.body[1])
         if time > until_time:
+            if until_time >= FOREVER:
+                return AT_REST
             clock[NOW] = until_time
             return TIME
-        tally[STANDING] = tally[STANDING] + 1 if time <= clock[NOW] else 0
-        if tally[STANDING] > patience:
+        tally[STANDING] = tally[STANDING] + 1 if time <= clock[NOW] + clock[INSTANT] else 0
+        if tally[STANDING] > patience or tally[FAINT] > FAINT_COLLISIONS:
             return STALLED
         clock[NOW] = max(time, clock[NOW])
         tally[EVENTS] += 1

@@ -6,38 +6,47 @@ from math import inf, sqrt
 
 from ccd.compiling import kernel
 from ccd.first_contact import curvature
-from ccd.vectors import add_scaled, dot, load, scale, store
+from ccd.vectors import add_scaled, dot, load, scale, store, subtract
 from edmd.flight import advance_all
 from edmd.neighbors import DONE, rebuild, set_escape
 from edmd.prediction import predict, reschedule, size_now
+from edmd.rules.kinds import ELASTIC, KIND, ROUGH, set_contact_time
+from edmd.spin import own_spin, rotational_energy, symmetry_axis
 from edmd.state import (
     ANCHOR_POSITION,
     BEND,
     COLLISIONS,
+    DRIFT,
     ENERGY,
+    ENERGY_BEGAN,
+    ENERGY_ERROR,
     ENERGY_SINCE,
     ENERGY_TIME,
     EPOCH,
     EPOCH_BEGAN,
+    EPOCH_SPARED,
     ESCAPE_TIME,
     FREE_PAIRS,
     GROWTH,
     HORIZON,
+    INSTANT,
     INVERSE_INERTIA,
     INVERSE_MASS,
+    LARGEST,
     NEXT_EPOCH,
     NOW,
     REACH_SIZE,
     REFINE,
     SEMI_AXES,
     SIZE,
+    SPARED,
     TIME,
     TURNING,
     VECTORS,
     VELOCITY,
     VIRIAL,
 )
-from edmd.tolerances import EPOCH_COLLISIONS, EPOCH_LEAST, GROWTH_HORIZON, REFINE_BELOW
+from edmd.tolerances import DRIFTED, EPOCH_COLLISIONS, EPOCH_LEAST, GROWTH_HORIZON, INSTANT_SHARE, REFINE_BELOW
 
 
 @kernel
@@ -45,15 +54,20 @@ def start_epoch(world):
     """Count every time, and every sum, from now on. The mean free time of the epoch that ends decides when planes are renewed."""
     clock, tally, n = world.clock, world.tally, len(world.bodies)
     now, collisions = clock[NOW], tally[COLLISIONS] - tally[EPOCH_BEGAN]
-    if collisions > 0 and now > 0:
-        clock[REFINE] = REFINE_BELOW * now * n / (2.0 * collisions)
-    tally[EPOCH_BEGAN] = tally[COLLISIONS]
+    free = collisions - (tally[SPARED] - tally[EPOCH_SPARED])
+    if free > 0 and now > 0:
+        clock[REFINE] = REFINE_BELOW * now * n / (2.0 * free)
+    _close_the_books(world)
+    tally[EPOCH_BEGAN], tally[EPOCH_SPARED] = tally[COLLISIONS], tally[SPARED]
     tally[NEXT_EPOCH] = tally[COLLISIONS] + max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     clock[SIZE] = size_now(clock)
     clock[EPOCH] += now
     clock[NOW] = clock[ENERGY_SINCE] = clock[ENERGY_TIME] = clock[VIRIAL] = 0.0
     for body in range(n):
         world.bodies[body, TIME] -= now
+        world.contacts.last[body] -= now
+        if world.contacts.rule[KIND] == ROUGH:
+            world.contacts.phase[body] += now * own_spin(world.bodies[body], world.contacts.inverse_moments[body])
         world.anchors[body, ESCAPE_TIME] -= now
         for slot in range(world.lists.count[body]):
             world.lists.time[body, slot] -= now
@@ -62,12 +76,52 @@ def start_epoch(world):
 
 
 @kernel
-def symmetry_axis(row):
-    """0, 1, 2 for a body of revolution; 3 for three different axes; 4 for a sphere."""
-    a, b, c = load(row, SEMI_AXES)
-    if a == b and b == c:
-        return 4
-    return 2 if a == b else 1 if a == c else 0 if b == c else 3
+def _close_the_books(world):
+    """Begin the epoch with the energy that is there, so that what collisions account for keeps its digits while a gas cools by decades."""
+    clock, energy = world.clock, kinetic_energy(world)
+    if clock[ENERGY_BEGAN] > 0:
+        clock[ENERGY_ERROR] += (clock[ENERGY] - energy) / max(clock[ENERGY_BEGAN], energy)
+    clock[ENERGY] = energy
+    energy_counted(world)
+    _take_back_drift(world)
+
+
+@kernel
+def mean_velocity(world):
+    """Total mass, and velocity of its centre."""
+    mass, momentum = 0.0, (0.0, 0.0, 0.0)
+    for body in range(len(world.bodies)):
+        row = world.bodies[body]
+        mass += 1 / row[INVERSE_MASS]
+        momentum = add_scaled(momentum, 1 / row[INVERSE_MASS], load(row, VELOCITY))
+    return mass, scale(1 / mass, momentum)
+
+
+@kernel
+def _take_back_drift(world):
+    """Momentum is kept to the rounding of the fastest velocities there were. In a gas that cools by thirty decades that becomes a drift."""
+    clock = world.clock
+    mass, velocity = mean_velocity(world)
+    drift = subtract(velocity, load(clock, DRIFT))
+    if 0.5 * mass * dot(drift, drift) <= DRIFTED * clock[ENERGY]:
+        return
+    advance_all(world.bodies, clock[NOW])
+    for body in range(len(world.bodies)):
+        store(world.bodies[body], VELOCITY, subtract(load(world.bodies[body], VELOCITY), drift))
+    predict_all(world)
+
+
+@kernel
+def energy_counted(world):
+    """What follows from a newly counted energy: the contact time in force, and an instant. Events of a collapsing gas crowd into less."""
+    clock, longest = world.clock, 0.0
+    mass, _ = mean_velocity(world)
+    for body in range(len(world.bodies)):
+        longest = max(longest, world.bodies[body, LARGEST] * size_now(clock))
+    thermal_time = longest * sqrt(0.5 * mass / clock[ENERGY]) if clock[ENERGY] > 0 else 0.0
+    clock[ENERGY_BEGAN] = clock[ENERGY]
+    set_contact_time(world.contacts.rule, thermal_time)
+    clock[INSTANT] = INSTANT_SHARE * thermal_time if world.contacts.rule[KIND] != ELASTIC and clock[GROWTH] == 0.0 else 0.0
 
 
 @kernel
@@ -84,28 +138,34 @@ def active_turning(row):
 
 @kernel
 def kinetic_energy(world):
-    """Energy of all motions that collisions exchange: not that of the common drift, nor of the spin of bodies of revolution."""
-    energy, mass, momentum = 0.0, 0.0, (0.0, 0.0, 0.0)
+    """Energy of all motions that collisions exchange: not that of the common drift, nor of the spin of smooth bodies of revolution."""
+    contacts, energy = world.contacts, 0.0
+    _, drift = mean_velocity(world)
     for body in range(len(world.bodies)):
         row = world.bodies[body]
-        mass += 1 / row[INVERSE_MASS]
-        momentum = add_scaled(momentum, 1 / row[INVERSE_MASS], load(row, VELOCITY))
-        energy += 0.5 * dot(load(row, VELOCITY), load(row, VELOCITY)) / row[INVERSE_MASS]
-        if row[INVERSE_INERTIA] > 0:
+        velocity = subtract(load(row, VELOCITY), drift)
+        energy += 0.5 * dot(velocity, velocity) / row[INVERSE_MASS]
+        if contacts.rule[KIND] == ROUGH:
+            energy += rotational_energy(row, contacts.inverse_moments[body])
+        elif row[INVERSE_INERTIA] > 0:
             turning = active_turning(row)
             energy += 0.5 * dot(turning, turning) / row[INVERSE_INERTIA]
-    return max(energy - 0.5 * dot(momentum, momentum) / mass, 0.0)
+    return energy
 
 
 @kernel
 def rescale(world, factor, inertia_factor):
     """Multiply the exchanged velocities by a factor; moments of inertia by another, at unchanged energy. Predictions are made anew."""
     advance_all(world.bodies, world.clock[NOW])
+    store(world.clock, DRIFT, scale(factor, load(world.clock, DRIFT)))
     for body in range(len(world.bodies)):
         row = world.bodies[body]
         store(row, VELOCITY, scale(factor, load(row, VELOCITY)))
         row[INVERSE_INERTIA] /= inertia_factor
-        store(row, TURNING, add_scaled(load(row, TURNING), factor / sqrt(inertia_factor) - 1, active_turning(row)))
+        for k in range(3):
+            world.contacts.inverse_moments[body, k] /= inertia_factor
+        turning = load(row, TURNING) if world.contacts.rule[KIND] == ROUGH else active_turning(row)
+        store(row, TURNING, add_scaled(load(row, TURNING), factor / sqrt(inertia_factor) - 1, turning))
         row[BEND] = curvature(load(row, SEMI_AXES), load(row, TURNING))
     predict_all(world)
 
@@ -116,6 +176,7 @@ def predict_all(world):
     world.clock[ENERGY_TIME] += world.clock[ENERGY] * (world.clock[NOW] - world.clock[ENERGY_SINCE])
     world.clock[ENERGY_SINCE] = world.clock[NOW]
     world.clock[ENERGY] = kinetic_energy(world)
+    energy_counted(world)
     advance_all(world.bodies, world.clock[NOW])
     for body in range(len(world.bodies)):
         predict(world, body)

@@ -18,4 +18,5 @@ class Ended(IntEnum):
     LIST_FULL = 3           # a neighbour list or the pair table needs more room; nothing is lost, enlarge and go on
     CELL_TOO_SMALL = 4      # a body has come near its own periodic image
     PAUSED = 5              # many events went by; Python may want to look for an interrupt
-    STALLED = 6             # events go on but time stands still
+    STALLED = 6             # events go on but time stands still, or collisions that are nothing but rounding
+    AT_REST = 7             # no event is to come, and no time at which to end

@@ -4,7 +4,7 @@ import numpy as np
 
 from ccd import checks
 from ccd.precession import symmetry_axes, turning_of_shape
-from ccd.quaternions import to_lab
+from ccd.quaternions import to_body, to_lab
 
 
 def rotational_degrees(semi_axes):
@@ -45,17 +45,23 @@ def solid_moments(semi_axes, masses):
     return masses[:, None] / 5 * (squares.sum(axis=1, keepdims=True) - squares)
 
 
-def shape_turning(system):
-    """How the shape turns in free flight. -> turning (n, 3), across (n,), spin (n,).
+def shape_turning(system, rough):
+    """How the shape turns in free flight. -> turning (n, 3), across (n,), spin (n, 3): what smooth bodies keep for ever, in their frames.
 
     For a body of revolution about u with moments I_par and I_perp, L / I_perp = w + (I_par / I_perp - 1) (w.u) u stays constant: the axis
     precesses about it, and the body spins about its own axis at (1 - I_par / I_perp) (w.u) besides. For isotropic inertia the turning is w.
+    Of smooth spheres all of w is kept, and the turning zero: a gas that cools by many decades must not be judged by a spin that does not.
     """
     axis, u = axis_directions(system)
-    n = np.arange(system.n)
+    n, spin = np.arange(system.n), np.zeros((system.n, 3))
     along, across = system.moments[n, axis], system.moments[n, (axis + 1) % 3]
     turning = turning_of_shape(system.angular_velocities, u, along, across)
-    return turning, across, (1 - along / across) * (system.angular_velocities * u).sum(axis=1)
+    if not rough:
+        spheres = rotational_degrees(system.semi_axes) == 0
+        spin[n, axis] = (1 - along / across) * (system.angular_velocities * u).sum(axis=1)
+        spin[spheres] = to_body(system.orientations, system.angular_velocities)[spheres]
+        turning[spheres] = 0.0
+    return turning, across, spin
 
 
 def axis_directions(system):
@@ -64,16 +70,18 @@ def axis_directions(system):
     return axis, to_lab(system.orientations, np.eye(3)[axis])
 
 
-def degrees_of_freedom(system):
-    """Those that exchange energy: 3 n - 3 of translation, 0, 2 or 3 of rotation a body (spheres, bodies of revolution, others)."""
-    return max(3 * system.n - 3, 1) + int(rotational_degrees(system.semi_axes).sum())
+def degrees_of_freedom(system, rough=False):
+    """Those that exchange energy: 3 n - 3 of translation; 0, 2 or 3 of rotation a body (sphere, body of revolution, other; rough: 3)."""
+    return max(3 * system.n - 3, 1) + (3 * system.n if rough else int(rotational_degrees(system.semi_axes).sum()))
 
 
-def kinetic_energies(system):
-    """Translational energy without the common drift, and rotational energy without the spin of bodies of revolution."""
+def kinetic_energies(system, rough=False):
+    """Translational energy without the common drift, and rotational energy, of smooth bodies of revolution without their spin."""
     masses = system.masses[:, None]
     drift = (masses * system.velocities).sum(axis=0) / masses.sum()
     translation = 0.5 * (masses * (system.velocities - drift)**2).sum()
+    if rough:
+        return translation, 0.5 * (system.moments * to_body(system.orientations, system.angular_velocities)**2).sum()
     kinds = symmetry_axes(system.semi_axes)
     axis, u = axis_directions(system)
     along = (system.angular_velocities * u).sum(axis=1, keepdims=True) * u
@@ -82,6 +90,6 @@ def kinetic_energies(system):
     return translation, 0.5 * (moments * (active**2).sum(axis=1))[kinds < 4].sum()
 
 
-def temperature_of(system):
+def temperature_of(system, rough=False):
     """kT = 2 E / degrees of freedom."""
-    return 2 * sum(kinetic_energies(system)) / degrees_of_freedom(system)
+    return 2 * sum(kinetic_energies(system, rough)) / degrees_of_freedom(system, rough)

@@ -7,7 +7,8 @@ from ccd import checks
 
 
 class View:
-    """A simulation at a moment: n, seed, time, collisions, packing_fraction, energy; `system` (a synchronised copy) with its `images`.
+    """A simulation at a moment: n, seed, rule, time, collisions, contact_time_collisions, packing_fraction, energy, temperature; `system`
+    (a synchronised copy) with its `images`.
 
     interval: the sums of the upkeep interval just done (`averages.Interval`, empty at the start and the end); means: its averages;
     begun: the sums of the next interval so far; course: where the run goes (`simulation.Course`).
@@ -16,7 +17,7 @@ class View:
     def __init__(self, simulation, interval):
         self.n, self.time, self.collisions, self.seed = simulation.n, simulation.time, simulation.collisions, simulation.seed
         self.packing_fraction, self.interval, self.begun = simulation.packing_fraction, interval, simulation.begun
-        self.course = simulation.course
+        self.course, self.rule, self.contact_time_collisions = simulation.course, simulation.rule, simulation.contact_time_collisions
         self._simulation = simulation
 
     @cached_property
@@ -34,6 +35,10 @@ class View:
     @property
     def energy(self):
         return self._simulation.energy
+
+    @property
+    def temperature(self):
+        return self._simulation.temperature
 
     @property
     def means(self):

@@ -9,6 +9,7 @@ from ccd import checks
 from ccd.contacts import contact_numbers, contact_pairs, mean_contact_number, rattlers
 from edmd.config import Compress, Config, Crystal, Output, Run
 from edmd.initial import DENSEST, crystal
+from edmd.rules.elastic import Elastic
 from edmd.runs import do_stage, run
 from edmd.simulation import Simulation, check_growth, checked_pressure
 from edmd.system import System
@@ -74,7 +75,7 @@ def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, fluid_rate=None, s
             do_stage(simulation, stage, observers)
     else:
         config = Config(seed, Crystal(int(n), tuple(semi_axes.tolist()), start_fraction), tuple(stages),
-                        Output(str(output), {"packing_fraction": 0.01, "pressure_factor": 2.0}))
+                        Output(str(output), {"packing_fraction": 0.01, "pressure_factor": 2.0}), Elastic())
         simulation = run(config, overwrite=overwrite, observers=observers)
     seconds = time.process_time() - began
     system = simulation.system

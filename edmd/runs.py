@@ -14,6 +14,8 @@ from edmd.journal import put_back
 from edmd.observers import Every, Logarithmic, Milestones
 from edmd.outputs import check_output
 from edmd.progress import Log, Progress
+from edmd.rules.elastic import Elastic
+from edmd.rules.rough import Rough
 from edmd.simulation import Simulation
 from edmd.system import PER_BODY
 from edmd.trajectory import Trajectory, open_run, read_system
@@ -35,7 +37,7 @@ def run(config, overrides=(), output=None, overwrite=False, observers=(), progre
     path = check_output(output or config.output.file, overwrite)
     for beside in (checkpoint_path(path), log_path(path)):
         check_output(beside, overwrite=True)
-    simulation = Simulation(start(config), config.seed)
+    simulation = Simulation(start(config), config.seed, rule=config.rule)
     _check_stages(simulation, config.stages)
     digest = _digest(simulation.system)
     if start_digest not in (None, digest):
@@ -73,18 +75,24 @@ def rebuilt(path):
 
 def start(config):
     """The System with which a config starts."""
-    system = config.system
+    system, spin = config.system, _spin(config.rule)
     if system.kind == "file":
         made = read_system(system.file, system.frame)
-        return made if system.temperature is None else thermalized(made, config.seed, system.temperature)
+        return made if system.temperature is None else thermalized(made, config.seed, system.temperature, spin)
     if system.kind == "crystal":
-        return crystal(system.n, system.semi_axes, system.start_fraction, config.seed)
+        made = crystal(system.n, system.semi_axes, system.start_fraction, config.seed)
+        return made if spin == "drawn" else thermalized(made, config.seed, spin=spin)
     if system.kind == "lattice":
         made = lattice(system.lattice, system.semi_axes, system.packing_fraction, system.cells, config.seed, system.stretched,
                        system.masses, system.inertia)
     else:
         made = random_system(system.n, system.semi_axes, system.packing_fraction, config.seed, system.masses, system.inertia)
-    return made if system.temperature == 1.0 else thermalized(made, config.seed, system.temperature)
+    return made if system.temperature == 1.0 and spin == "drawn" else thermalized(made, config.seed, system.temperature, spin)
+
+
+def _spin(rule):
+    """What `thermalized` does with the spin of bodies of revolution and of spheres under this rule."""
+    return "counted" if isinstance(rule, Rough) else "drawn" if isinstance(rule, Elastic) else "none"
 
 
 def schedule(frames):
@@ -104,6 +112,7 @@ def log_path(path):
 
 def _do(simulation, config, trajectory, observers, progress, first=0, memories=None):
     """The stages from the first one on, where the memories say what its observers knew."""
+    simulation.stall_path = str(trajectory.path).removesuffix(".h5md") + ".stalled.npz"
     log = [Log(log_path(trajectory.path))] if config.output.log else []
     kept = [trajectory, *log]
     checkpoint = Checkpoint(checkpoint_path(trajectory.path), config.output.checkpoint, simulation, kept)

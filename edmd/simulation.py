@@ -19,18 +19,18 @@ from edmd.inertia import axis_directions, degrees_of_freedom, shape_turning
 from edmd.observers import View, reached
 from edmd.ordering import spatial_order
 from edmd.outputs import check_output
+from edmd.rules.kinds import chosen_rule, rule_of
+from edmd.rules.rough import Rough
+from edmd.stall import at_rest, time_stands_still
 from edmd.state import EPOCH, GROWTH, NOW, SIZE
 from edmd.system import System
-from edmd.tolerances import OVERLAP
+from edmd.tolerances import FOREVER, OVERLAP
 
-FORMAT = 2                  # of what `save` writes
+STALL_PATH = "edmd.stalled.npz"
+FORMAT = 3                  # of what `save` writes
 FASTEST = 2.0               # speed of a growing surface, in thermal speeds, beyond which compression has no physics
 GIVE_UP = 1e10              # reduced pressure at which a compression to a packing fraction ends in vain
 JAMMED = 1e12               # reduced pressure beyond which float64 cannot resolve the gaps
-
-
-class Stalled(RuntimeError):
-    """Events go on but time stands still."""
 
 
 class Course(NamedTuple):
@@ -46,14 +46,17 @@ class Course(NamedTuple):
 
 
 class Simulation:
-    """Event-driven dynamics of a System: smooth, elastic hard ellipsoids in free flight between collisions.
+    """Event-driven dynamics of a System: hard ellipsoids in free flight between collisions, smooth and elastic ones unless a rule is given.
 
-    ValueError when bodies overlap or the cell is too small. seed is kept with the run for its records; the dynamics draws no numbers.
+    restitution: normal restitution of smooth bodies, 0 to 1. rule: instead of it edmd.Elastic(), Inelastic(...), Viscoelastic(...),
+    PowerLaw(...) or Rough(...), or the name of one, with that restitution (docs/granular.md). ValueError when bodies overlap or the cell is
+    too small. seed is kept with the run for its records; the dynamics draws no numbers.
     One system, one result: every run repeats bit for bit, whatever looks at it and however it is cut into blocks.
-    course: where the run or compression goes that is under way, or in whose course the state was saved; else None. notes: those of `save`.
+    A run that cannot go on raises edmd.Stalled, and leaves its state in stall_path. course: where the run or compression goes that is under
+    way, or in whose course the state was saved; else None. notes: those of `save`.
     """
 
-    def __init__(self, system, seed=0):
+    def __init__(self, system, seed=0, restitution=1.0, rule=None):
         if not isinstance(system, System):
             raise ValueError(f"system = {system!r}: expected an edmd.System")
         first, second, f = system.contact_functions()
@@ -61,14 +64,14 @@ class Simulation:
             worst = f.argmin()
             raise ValueError(f"system: bodies {first[worst]} and {second[worst]} overlap (they touch when scaled by {sqrt(f[worst]):.6g}); "
                              "expected a start without overlap")
-        self.seed = checks.natural_number("seed", seed)
+        self.seed, self.rule = checks.natural_number("seed", seed), chosen_rule(restitution, rule)
         self._system = system.copy()
         self._order = spatial_order(system.positions, system.box)          # of the bodies in the world
-        self._world = building.build_world(system.subset(self._order))
-        self._spin = shape_turning(system)[2]
+        self._world = building.build_world(system.subset(self._order), self.rule)
+        self._spin = shape_turning(system, self._rough)[2]
         self._grown_inertia = 1.0
         self._done = self._before = self._last = Interval()
-        self.course, self.notes = None, None
+        self.course, self.notes, self.stall_path = None, None, STALL_PATH
         self.last_means = self.means_over(Interval())
 
     # what is now
@@ -93,18 +96,31 @@ class Simulation:
         return float(clock[SIZE] + clock[GROWTH] * clock[NOW])
 
     @property
+    def contact_time_collisions(self):
+        """Collisions since the start that the TC model made elastic (the rule's contact_time)."""
+        return int(self._world.tally[state.SPARED])
+
+    @property
+    def _rough(self):
+        return isinstance(self.rule, Rough)
+
+    @property
+    def _degrees(self):
+        return degrees_of_freedom(self._system, self._rough)
+
+    @property
     def packing_fraction(self):
         return self._system.packing_fraction * self.size**3
 
     @property
     def energy(self):
-        """Kinetic energy that collisions exchange (without the spin of bodies of revolution about their axes)."""
+        """Kinetic energy that collisions exchange (without the spin of smooth bodies of revolution about their axes)."""
         return float(epoch.kinetic_energy(self._world))
 
     @property
     def temperature(self):
         """kT = 2 E / (3 n - 3 + active rotational degrees of freedom)."""
-        return 2 * self.energy / degrees_of_freedom(self._system)
+        return 2 * self.energy / self._degrees
 
     @property
     def nematic_order(self):
@@ -124,11 +140,11 @@ class Simulation:
         """The System of now, positions in the cell, and the images (n, 3) they belong to: unwrapped = positions + images @ box."""
         rows, images = building.synchronised_rows(self._world, np.argsort(self._order))
         like = self._system
-        axis, _ = axis_directions(like)
-        spun = rotations(np.eye(3)[axis] * (self._spin * self.time)[:, None])
-        system = System(rows.positions, products(rows.orientations, spun), like.semi_axes * self.size, like.box, rows.velocities,
+        spun = self._spin * self.time
+        spun[np.arange(self.n), axis_directions(like)[0]] += rows.phase
+        system = System(rows.positions, products(rows.orientations, rotations(spun)), like.semi_axes * self.size, like.box, rows.velocities,
                         None, like.masses, like.inertia, like.species)
-        system.angular_velocities = rows.turning + self._spin[:, None] * axis_directions(system)[1]
+        system.angular_velocities = rows.turning + rows.spin[:, None] * axis_directions(system)[1] + to_lab(system.orientations, self._spin)
         system.moments = like.moments * self._grown_inertia
         if not isinstance(like.inertia, str):
             system.inertia = system.moments
@@ -165,7 +181,7 @@ class Simulation:
 
     def means_over(self, interval):
         """Averages over an `averages.Interval` of this simulation."""
-        return interval.means(self.n, degrees_of_freedom(self._system), self._system.volume)
+        return interval.means(self.n, self._degrees, self._system.volume)
 
     # what can be done
 
@@ -250,7 +266,7 @@ class Simulation:
                    ("positions", "orientations", "semi_axes", "box", "velocities", "angular_velocities", "masses", "species", "moments")}
         facts = {"inertia": like.inertia if isinstance(like.inertia, str) else "moments", "seed": self.seed,
                  "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "last_means": self.last_means,
-                 "last": self._last, "course": self.course, "notes": notes, "format": FORMAT}
+                 "last": self._last, "course": self.course, "notes": notes, "rule": self.rule.document(), "format": FORMAT}
         partial = path.with_name(path.name + ".partial")
         try:
             with open(partial, "wb") as file:
@@ -279,7 +295,7 @@ class Simulation:
             simulation._grown_inertia = facts["grown_inertia"]
             simulation._done, simulation._before = Interval(*facts["done"]), Interval(*facts["before"])
             simulation.last_means, simulation._last = Means(*facts["last_means"]), Interval(*facts["last"])
-            simulation.notes = facts["notes"]
+            simulation.notes, simulation.rule, simulation.stall_path = facts["notes"], rule_of(facts["rule"]), STALL_PATH
             simulation.course = None if facts["course"] is None else Course(*facts["course"])
         except (OSError, EOFError, BadZipFile, ValueError, KeyError, TypeError) as problem:
             raise ValueError(f"path = {str(path)!r}: not a state written by Simulation.save ({problem})") from None
@@ -342,7 +358,7 @@ class Simulation:
         return interval
 
     def _block(self, until_time, until_collisions):
-        relative = until_time - self._world.clock[EPOCH]
+        relative = min(until_time - self._world.clock[EPOCH], FOREVER)
         limit = np.iinfo(np.int64).max if isinf(until_collisions) else int(until_collisions)
         return self._act(advance_events, relative, limit)
 
@@ -351,9 +367,9 @@ class Simulation:
         if status == Ended.CELL_TOO_SMALL:
             raise ValueError(building.cell_too_small(self._system.box))
         if status == Ended.STALLED:
-            raise Stalled(f"time stands still at {self.time:.17g} after {self.collisions} collisions: body "
-                          f"{self._order[self._world.calendar.body[1]]} has event after event at packing fraction "
-                          f"{self.packing_fraction:.12g}")
+            raise time_stands_still(self, self._order[self._world.calendar.body[1]])
+        if status == Ended.AT_REST:
+            raise at_rest(self)
         return status
 
     def _to_unit_temperature(self):

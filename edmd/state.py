@@ -29,12 +29,17 @@ PAIR_ROW = 8
 
 # clock: NOW and every time in the world count from EPOCH. REACH: longest semi-axis plus margin of all bodies at size 1; REACH_SIZE: the
 # largest size of an anchor. REFINE: a time, see tolerances. ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral
-# up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions.
-NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE = range(12)
-CLOCK_ROW = 16
+# up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions. ENERGY_ERROR: sum over the epochs of
+# the amounts by which ENERGY, as the collisions account for it, had come off what it is, in units of what it was when it was last counted,
+# ENERGY_BEGAN. INSTANT: a span that is no progress. DRIFT: common velocity of all bodies, three numbers.
+(NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE, ENERGY_ERROR, ENERGY_BEGAN,
+ INSTANT, DRIFT) = range(16)
+CLOCK_ROW = 24
 
 # tally
-COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, FREE_PAIRS, STANDING = range(8)
+# SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this epoch). FAINT: weight of the last collisions in a row that
+# were too faint to be told from rounding, the last of them of the row FAINT_PAIR of pairs
+COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, FREE_PAIRS, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR = range(12)
 TALLY_ROW = 16
 
 
@@ -73,6 +78,15 @@ class Calendar(NamedTuple):
     slot: np.ndarray        # int32 (n,): what the body waits for
 
 
+class Contacts(NamedTuple):
+    """What the rule of the collisions needs; all but its row only where it says so."""
+
+    rule: np.ndarray                # float64 (RULE_ROW,), see edmd/rules/kinds.py
+    last: np.ndarray                # float64 (n,): time of a body's last collision, -inf before; kept with a contact time
+    inverse_moments: np.ndarray     # float64 (n, 3), principal; of rough bodies
+    phase: np.ndarray               # float64 (n,): angle about the axis by which a rough body is ahead of its shape, at the epoch
+
+
 class World(NamedTuple):
     bodies: np.ndarray      # float64 (n, BODY_ROW)
     image: np.ndarray       # int32 (n, 3)
@@ -83,3 +97,4 @@ class World(NamedTuple):
     calendar: Calendar
     clock: np.ndarray       # float64 (CLOCK_ROW,)
     tally: np.ndarray       # int64 (TALLY_ROW,)
+    contacts: Contacts

@@ -8,6 +8,12 @@ REFINE_BELOW = 0.5          # a pair's plane is renewed when it holds for less t
 EPOCH_COLLISIONS = 4        # collisions per body between two upkeeps (and at least EPOCH_LEAST in all)
 EPOCH_LEAST = 64
 GROWTH_HORIZON = 1e-2       # relative growth for which one prediction is made, at most
+FAINTEST = 1e-14            # approach of a dissipative collision, in units of the bodies' velocities, below which it is rounding
+FAINT_COLLISIONS = 60       # of one pair in a row after which it has collapsed: of e = 0 one is as likely followed by another as not
+FAINT_CHANGE = 20           # what one counts when the last was of another pair: three or four in turn are a collapse of three bodies
+INSTANT_SHARE = 1e-15       # a time that is no progress, in thermal times, of a gas that can collapse
+DRIFTED = 1e-16             # share of the energy from which a common drift, the sum of rounding, is taken back
+FOREVER = 1e299             # a time that never comes
 STALL_EVENTS = 10_000       # events without progress of time (plus 100 per body) after which the engine gives up
 EVENTS_AT_ONCE = 1_000_000  # events between two looks of Python for an interrupt
 LIST_ROOM = 16              # first capacity of a neighbour list; it grows when needed

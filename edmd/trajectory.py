@@ -1,5 +1,6 @@
 """Trajectories in H5MD (docs/file_format.md): an observer that writes them, and the way back to a System."""
 
+import json
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -10,7 +11,6 @@ import numpy as np
 
 import edmd
 from edmd.averages import Interval
-from edmd.inertia import temperature_of
 from edmd.journal import BeingWritten, JournaledFile, put_back
 from edmd.observers import Every, Observer
 from edmd.outputs import check_output
@@ -112,6 +112,7 @@ class Trajectory(Observer):
 
     def finish(self, view):
         self._frame(view)
+        self._file["edmd"].attrs["contact_time_collisions"] = view.contact_time_collisions
         self._flush()
 
     def _frame(self, view):
@@ -129,7 +130,7 @@ class Trajectory(Observer):
             _append(group[f"{name}/value"], frame, value)
         _append(group["box/edges/value"], frame, system.box)
         series = {"packing_fraction": view.packing_fraction, "pressure": means.pressure, "reduced_pressure": means.reduced_pressure,
-                  "temperature": temperature_of(system), "energy": view.energy, "collisions": view.collisions}
+                  "temperature": view.temperature, "energy": view.energy, "collisions": view.collisions}
         for name, value in series.items():
             _append(self._file[f"observables/{name}/value"], frame, value)
         _append(at, frame, view.time)
@@ -166,7 +167,8 @@ class Trajectory(Observer):
             element = _series(observables, name, ())
             element["step"], element["time"] = step, at
         own = file.create_group("edmd")
-        own.attrs.update({"format": FORMAT, "complete": False, **provenance(self._parameters, view.seed, self._start)})
+        own.attrs.update({"format": FORMAT, "complete": False, "rule": json.dumps(view.rule.document()),
+                          **provenance(self._parameters, view.seed, self._start)})
         for name in LOG:
             _grow(own.require_group("log"), name, (), chunk=LOG_CHUNK)
 

@@ -15,6 +15,7 @@ from edmd.flight import advance_all
 DEPTH = 1e-11           # relative depth up to which a touching pair may read as overlapping
 ENERGY_ERROR = 1e-10    # relative
 EARLY = 1e-13           # by how much a contact may come before its prediction: the time in which a body moves by this part of its length
+FAINT = 1e-13           # rate of a gap, in units of the velocities, that is none
 PLANE_LOSS = 0.1        # relative amount by which the list's best plane may fall short of the distance it bounds
 
 
@@ -27,8 +28,10 @@ def verify_world(world, system):
     _check_margins(world)
     _check_lists(world, system)
     _check_predictions(world)
-    counted, is_now = world.clock[state.ENERGY], kinetic_energy(world)
-    assert abs(counted - is_now) <= ENERGY_ERROR * is_now, f"energy {is_now!r}, but the collisions account for {counted!r}"
+    counted, is_now, error = world.clock[state.ENERGY], kinetic_energy(world), world.clock[state.ENERGY_ERROR]
+    assert abs(counted - is_now) <= ENERGY_ERROR * max(world.clock[state.ENERGY_BEGAN], is_now), (
+        f"energy {is_now!r}, but the collisions account for {counted!r}")
+    assert abs(error) <= ENERGY_ERROR, f"the energy has come off what the collisions account for by {error!r} of itself"
 
 
 def check_overlaps(system):
@@ -153,4 +156,12 @@ def _check_predictions(world):
     speed = np.sqrt((rows[:, state.VELOCITY:state.VELOCITY + 3]**2).sum(axis=1).mean())
     slack = EARLY * size * rows[:, state.LARGEST].max() / speed if speed > 0 else 0.0
     early = (status == Status.CONTACT) & (time < np.minimum(span, longest) - slack)
-    assert not early.any(), f"a pair touches at {time[early][0]!r}, before its prediction {span[early][0]!r}"
+    for k in np.flatnonzero(early):
+        assert _rests(a, b, k, FAINT * speed), f"a pair touches at {time[k]!r}, before its prediction {span[k]!r}"
+
+
+def _rests(a, b, k, faint):
+    """Whether a pair touches and neither parts nor approaches, but for rounding: plastic collisions leave such pairs."""
+    found = separation(*(Ellipsoid(part.semi_axes[k], part.center[k], part.orientation[k]) for part in (a, b)))
+    of_a, of_b = (part.velocity[k] + np.cross(part.angular_velocity[k], found.point - part.center[k]) for part in (a, b))
+    return abs(found.contact_function - 1) <= 2 * DEPTH and abs(found.normal @ (of_b - of_a)) <= faint

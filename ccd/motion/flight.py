@@ -11,11 +11,16 @@ from ccd.precession import NO_AXIS, SPHERE, symmetry_axes, turning_of_shape
 
 @dataclass(frozen=True, eq=False)
 class FreeFlight:
-    """Constant velocity (3,), rotation at a constant angular velocity (3,) in the lab frame, semi-axes times 1 + growth_rate t."""
+    """Constant velocity (3,), rotation at a constant angular velocity (3,) in the lab frame, semi-axes times 1 + growth_rate t.
+
+    With moments (3,), principal moments of inertia along the semi-axes, of which only the ratios matter, the body turns freely instead, as
+    a rigid body without torque; angular_velocity is then that at t = 0 (docs/theory.md, eq. (12b)).
+    """
 
     velocity: np.ndarray
     angular_velocity: np.ndarray = (0.0, 0.0, 0.0)
     growth_rate: float = 0.0
+    moments: np.ndarray = None
 
     def __post_init__(self):
         for name in ("velocity", "angular_velocity"):
@@ -23,6 +28,10 @@ class FreeFlight:
             value.flags.writeable = False
             object.__setattr__(self, name, value)
         object.__setattr__(self, "growth_rate", checks.real_number("growth_rate", self.growth_rate))
+        if self.moments is not None:
+            moments = checks.principal_moments("moments", self.moments)
+            moments.flags.writeable = False
+            object.__setattr__(self, "moments", moments)
 
     @classmethod
     def of_solid(cls, ellipsoid, velocity, angular_velocity=(0.0, 0.0, 0.0), growth_rate=0.0):
@@ -30,17 +39,15 @@ class FreeFlight:
 
         Its surface moves exactly as that of the solid. A solid of revolution precesses: its axis turns about the angular momentum L at
         the constant rate L / I_perp, the angular velocity of this flight; the spin about the axis does not show, eq. (12). For a sphere,
-        whose turning does not show at all, it is zero. With growth the rate stays what it is at t = 0, as in every FreeFlight.
-
-        ValueError for three different semi-axes, unless the body does not turn: its free rotation is not uniform.
+        whose turning does not show at all, it is zero. A solid with three different semi-axes turns freely with its moments. With growth
+        it turns as it would without, as in every FreeFlight.
         """
         if not isinstance(ellipsoid, Ellipsoid):
             raise ValueError(f"ellipsoid = {ellipsoid!r}: expected a ccd.Ellipsoid")
         spin = checks.real_array("angular_velocity", angular_velocity, (3,), "three components")
         axis = symmetry_axes(ellipsoid.semi_axes[None])[0]
         if axis == NO_AXIS and spin.any():
-            raise ValueError(f"ellipsoid.semi_axes = {ellipsoid.semi_axes.tolist()}: the free rotation of a solid with three different "
-                             "semi-axes is not a uniform rotation; expected two or three equal ones, or no angular_velocity")
+            return cls(velocity, spin, growth_rate, ellipsoid.inertia())
         if axis == SPHERE:
             turning = np.zeros(3)
         elif axis == NO_AXIS:

@@ -53,6 +53,8 @@ def approximate_flight(ellipsoid, flight, t_span=(0.0, 1.0), degree=3):
         raise ValueError(f"degree = {degree}: expected 1 or more")
     if not isinstance(ellipsoid, Ellipsoid) or not isinstance(flight, FreeFlight):
         raise ValueError(f"ellipsoid = {ellipsoid!r}, flight = {flight!r}: expected a ccd.Ellipsoid and a ccd.FreeFlight")
+    if flight.moments is not None:
+        raise ValueError(f"flight.moments = {flight.moments.tolist()}: expected a flight at a constant angular velocity")
     path = np.array([ellipsoid.center, flight.velocity]).T
     if not flight.angular_velocity.any() and flight.growth_rate == 0:
         return RationalMotion(ellipsoid.orientation[:, None], path)

@@ -1,6 +1,16 @@
 """Smooth and elastic: the normal velocity of the contact is reversed."""
 
+from dataclasses import dataclass
+
 from ccd.compiling import kernel
+from edmd.rules.rule import Rule
+
+
+@dataclass(frozen=True)
+class Elastic(Rule):
+    """smooth and elastic: energy is conserved"""
+
+    kind = "elastic"
 
 
 @kernel

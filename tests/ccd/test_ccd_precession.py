@@ -58,10 +58,15 @@ def test_a_precessing_needle_hits_where_the_solid_does():
     assert found.time == pytest.approx(time[first], abs=3e-4)       # flat to 2^2 / 2 far, seen every 1.25e-4
 
 
-def test_a_solid_with_three_different_axes_is_refused_unless_it_does_not_turn():
-    with pytest.raises(ValueError, match=r"semi_axes = \[1.0, 2.0, 3.0\].*not a uniform rotation"):
-        FreeFlight.of_solid(Ellipsoid((1, 2, 3)), (0, 0, 0), (0, 0, 1))
-    assert not FreeFlight.of_solid(Ellipsoid((1, 2, 3)), (1, 0, 0)).angular_velocity.any()
+def test_a_solid_with_three_different_axes_turns_freely_with_its_moments():
+    flight = FreeFlight.of_solid(Ellipsoid((1, 2, 3)), (0, 0, 0), (0, 0, 1))
+    assert flight.angular_velocity.tolist() == [0, 0, 1]
+    np.testing.assert_allclose(flight.moments / flight.moments[2], (13 / 5, 10 / 5, 1), rtol=1e-15)
+    assert FreeFlight.of_solid(Ellipsoid((1, 2, 3)), (1, 0, 0)).moments is None
+    assert FreeFlight.of_solid(Ellipsoid((1, 1, 3)), (1, 0, 0), (0, 0, 1)).moments is None
+
+
+def test_what_is_no_solid_in_flight_is_refused():
     with pytest.raises(ValueError, match=r"angular_velocity.*finite"):
         FreeFlight.of_solid(Ellipsoid((1, 1, 3)), (0, 0, 0), (0, 0, np.nan))
     with pytest.raises(ValueError, match=r"expected a ccd\.Ellipsoid"):

@@ -16,6 +16,7 @@ import crystal_from_ase
 import equation_of_state
 import isotropic_to_nematic
 import packing_by_aspect_ratio
+import cooling
 import robot_arm
 import sweep_compression_rates
 from figures import arm, boxing
@@ -204,6 +205,7 @@ def test_shoots_stop_at_the_first_contact():
     (equation_of_state, ["--cells", "3", "--collisions", "20"], ["equation_of_state.png"], "            0.30     3.9"),
     (crystal_from_ase, ["--cells", "2", "--collisions", "20"], ["crystal_from_ase.png"], "32 spheroids from ASE, packing fraction 0.7707"),
     (contacts_of_a_frame, ["-n", "32", "--rate", "0.1"], ["contacts.png"], "contacts between 32 bodies"),
+    (cooling, ["-n", "100", "--until", "10"], ["cooling.png"], "Haff's law says"),
 ], ids=lambda value: getattr(value, "__name__", None))
 def test_each_example_runs_and_leaves_its_files(script, arguments, files, said, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(script, "INSTANTS", (0.0, 0.3), raising=False)         # pictures take most of the time

@@ -177,14 +177,24 @@ print(json.dumps({kernel.__name__: len(kernel.signatures) for kernel in called_f
 def members():
     from ccd import State, Status
     from edmd.events import Ended, EventKind
+    from edmd.rules.kinds import RuleKind
 
-    return [(kind, member.name) for kind in (EventKind, Ended, State, Status) for member in kind]
+    return [(kind, member.name) for kind in (EventKind, Ended, RuleKind, State, Status) for member in kind]
+
+
+def test_every_rule_has_its_file_and_its_line_in_the_docs():
+    from edmd.rules.kinds import RuleKind
+
+    told = (ROOT / "docs" / "granular.md").read_text()
+    for rule in RuleKind:
+        assert (ROOT / "edmd" / "rules" / f"{rule.name.lower()}.py").exists()
+        assert f'"{rule.name.lower()}"' in told, f"{rule.name} is not in docs/granular.md"
 
 
 @pytest.mark.parametrize(("kind", "name"), members(), ids=lambda value: value if isinstance(value, str) else value.__name__)
 def test_every_word_of_the_vocabulary_is_spoken(kind, name):
     """A member of an enum has its branch somewhere in the code: a member that nobody names is dead, or a forgotten case."""
-    defined = Path(sys.modules[kind.__module__].__file__)
+    defined = None if kind.__name__ == "RuleKind" else Path(sys.modules[kind.__module__].__file__)     # rules: side by side
     spoken = [path for path in SOURCES if path != defined and any(
         isinstance(node, ast.Attribute) and node.attr == name and getattr(node.value, "id", "") == kind.__name__
         for node in ast.walk(ast.parse(path.read_text())))]

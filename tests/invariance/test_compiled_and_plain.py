@@ -9,7 +9,7 @@ import pytest
 
 RUN = """
 import sys, numpy as np, edmd
-simulation = edmd.Simulation(edmd.lattice("fcc", eval(sys.argv[1]), 0.35, (2, 2, 2), seed=3))
+simulation = edmd.Simulation(edmd.lattice("fcc", eval(sys.argv[1]), 0.35, (2, 2, 2), seed=3), rule=eval(sys.argv[3]))
 simulation.run(collisions=150)
 simulation.compress(0.05, until_packing_fraction=0.37)
 end = simulation.system
@@ -17,15 +17,20 @@ np.save(sys.argv[2], np.hstack([end.positions, end.orientations, end.velocities,
 """
 
 
-def final_state(axes, folder, **environment):
+def final_state(axes, folder, rule="None", **environment):
     path = folder / f"{'-'.join(environment) or 'compiled'}.npy"
-    subprocess.run([sys.executable, "-c", RUN, repr(axes), str(path)], check=True, env=os.environ | environment)
+    subprocess.run([sys.executable, "-c", RUN, repr(axes), str(path), rule], check=True, env=os.environ | environment)
     return np.load(path)
 
 
 @pytest.mark.parametrize("axes", [(1, 1, 1), (1, 1, 1.5), (1, 1, 0.6), (1.25, 1, 0.8)])
 def test_plain_python(axes, tmp_path):
     assert np.array_equal(final_state(axes, tmp_path), final_state(axes, tmp_path, NUMBA_DISABLE_JIT="1"))
+
+
+@pytest.mark.parametrize("rule", ["edmd.Rough(0.9, 0.5, contact_share=0.02)", "edmd.PowerLaw(0.6)"])
+def test_plain_python_under_a_rule(rule, tmp_path):
+    assert np.array_equal(final_state((1, 1, 1.5), tmp_path, rule), final_state((1, 1, 1.5), tmp_path, rule, NUMBA_DISABLE_JIT="1"))
 
 
 @pytest.mark.validate

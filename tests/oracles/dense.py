@@ -8,6 +8,7 @@ Rotations are scipy's; mu comes from the eigenvalues of one shape relative to th
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 GOLDEN = (np.sqrt(5) - 1) / 2
@@ -28,7 +29,7 @@ class Flights:
         return len(self.center)
 
     def pick(self, index):
-        return Flights(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
+        return type(self)(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
 
     def at(self, time):
         """Centres (K, 3) and semi-axis vectors (K, 3, 3), as columns, each body at its own time (K,)."""
@@ -38,6 +39,38 @@ class Flights:
 
     def moved(self, shift):
         return replace(self, center=self.center + shift)
+
+
+@dataclass
+class FreeFlights(Flights):
+    """The same for bodies that turn freely with principal moments (K, 3), by a Runge-Kutta method; `course` from `free_courses`."""
+
+    moments: np.ndarray
+    course: np.ndarray
+
+    def at(self, time):
+        turned = np.empty((len(self), 4))
+        kinds, which = np.unique([id(each) for each in self.course], return_inverse=True)
+        for k in range(len(kinds)):
+            rows = np.nonzero(which == k)[0]
+            turned[rows] = np.roll(self.course[rows[0]](time[rows])[:4].T, -1, axis=1)
+        size = 1 + self.growth_rate * time
+        axes = Rotation.from_quat(turned).as_matrix() * (self.semi_axes * size[:, None])[:, None, :]
+        return self.center + self.velocity * time[:, None], axes
+
+
+def free_courses(orientation, angular_velocity, moments, t_max):
+    """(K,) functions of times (T,) in [0, t_max], each giving a quaternion and the angular velocity in the body's frame, (7, T)."""
+    def rates(_, state, moments):
+        q, w = state[:4], state[4:]
+        return np.concatenate([0.5 * np.concatenate([[-q[1:] @ w], q[0] * w + np.cross(q[1:], w)]), np.cross(moments * w, w) / moments])
+
+    courses = np.empty(len(orientation), dtype=object)
+    for k, (q, spin) in enumerate(zip(orientation, angular_velocity)):
+        start = Rotation.from_quat(np.roll(q, -1))
+        state = np.concatenate([np.roll(start.as_quat(), 1), start.inv().apply(spin)])
+        courses[k] = solve_ivp(rates, (0, t_max), state, "DOP853", args=(moments[k],), rtol=1e-13, atol=1e-13, dense_output=True).sol
+    return courses
 
 
 def contact_function_and_normal(r, axes_a, axes_b):
