@@ -234,7 +234,8 @@ class Simulation:
         self._to_unit_temperature()
         self._begin(observers)
         self._act(epoch.set_growth, rate * self.size)
-        return self._follow(Course(self.time, self.collisions, until_time, until_pressure=until_pressure or GIVE_UP,
+        give_up = GIVE_UP if rate > 0 else inf          # bodies that shrink cannot jam, even from contact
+        return self._follow(Course(self.time, self.collisions, until_time, until_pressure=until_pressure or give_up,
                                    until_packing_fraction=until_packing_fraction, grows=True), observers)
 
     def resume(self, observers=()):
