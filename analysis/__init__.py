@@ -36,7 +36,8 @@ from analysis.scattering import StructureFactor, structure_factor
 from analysis.summary import summarize
 from ccd.contacts import contact_numbers, contact_pairs, rattlers
 
-_DRAWING = {"image": "picture", "plot_compression": "curves", "plot_curve": "curves", "read_log": "curves", "render": "picture"}
+_DRAWING = {"image": "picture", "plot_compression": "curves", "plot_curve": "curves", "read_log": "curves", "render": "picture",
+            "render_series": "picture", "panels": "panels"}
 
 __all__ = [
     "BiaxialOrder", "ContactNumbers", "CubaticOrder", "CylindricalDistribution", "EDMDParser", "EDMDReader", "FreeVolumes",
@@ -44,8 +45,8 @@ __all__ = [
     "RadialDistribution", "SteinhardtOrder", "StructureFactor", "across", "along", "biaxial_order", "block_error", "body_axes",
     "contact_numbers", "contact_pairs", "cubatic_order", "cylindrical_distribution", "free_volumes", "gaps", "image", "jamming_point",
     "mean_pressure", "mean_squared_displacement", "nematic_order", "nematic_tensor", "orientational_correlation",
-    "orientational_pair_correlation", "plot_compression", "plot_curve", "radial_distribution", "rattlers", "read_log", "render",
-    "steinhardt_order", "structure_factor", "summarize", "three_axes", "time_lags", "unwrap", "weighted_mean",
+    "orientational_pair_correlation", "panels", "plot_compression", "plot_curve", "radial_distribution", "rattlers", "read_log", "render",
+    "render_series", "steinhardt_order", "structure_factor", "summarize", "three_axes", "time_lags", "unwrap", "weighted_mean",
 ]
 
 

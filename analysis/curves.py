@@ -5,11 +5,12 @@ import os
 
 import numpy as np
 
-from analysis.reader import RunFile
+from analysis.blocks import weighted_mean
+from analysis.panels import BLUE, ORANGE, panels
+from analysis.reader import PARTICLES, RunFile
 
-STANDS_STILL = 1e-9             # packing fraction: a spread below it is rounding
-COLOUR = "#1f4e8c"
-PRESSURE = r"reduced pressure $PV/nk_BT$"
+STANDS_STILL = 1e-9             # packing fraction, temperature: a spread below it is rounding
+PRESSURE = r"reduced pressure $PV/nkT$"
 
 
 def read_log(path):
@@ -23,73 +24,90 @@ def read_log(path):
     return {name: values[:rows] for name, values in log.items()}
 
 
+def interval_starts(path, log):
+    """When the intervals (M,) began whose means the rows of a log are; they end at `log["time"]`."""
+    with RunFile(os.fspath(path)) as file:
+        begun = file[f"{PARTICLES}/position/time"][0]
+    return np.concatenate([[begun], log["time"][:-1]])
+
+
 def is_at_rest(packing_fraction):
     """Does the packing fraction stand still, but for rounding?"""
     return np.ptp(packing_fraction) <= STANDS_STILL
 
 
-def plot_curve(x, y, output, error=None, x_label="", y_label=""):
+def plot_curve(x, y, output, error=None, x_label="", y_label="", x_scale="linear", y_scale="linear"):
     """Draw one result, y (m,) against x (m,), into `output`, with error bars of one standard error where `error` (m,) is given.
 
-    As `plot_curve(*[results[name] for name in ("r", "g")], "g.pdf", results.error, "r", "g(r)")`. Points that are nan are left out.
-    Returns the path written.
+    As `plot_curve(*[results[name] for name in ("r", "g")], "g.pdf", results.error, "r", "g(r)")`. Scales are those of matplotlib: "linear",
+    "log". Points that are nan are left out, and bars that are nan. Returns the path written.
     """
-    from matplotlib.figure import Figure
-
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if x.ndim != 1 or x.shape != y.shape or (error is not None and np.shape(error) != x.shape):
         raise ValueError(f"x, y, error have shapes {x.shape}, {y.shape}, {np.shape(error)}: expected one length (m,)")
-    figure = Figure(figsize=(4.8, 3.6), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = panels()
     _curve(axes, x, y, x_label, y_label)
     if error is not None:
-        axes.errorbar(x, y, yerr=error, fmt="none", ecolor=COLOUR, elinewidth=0.8, capsize=1.5)
+        axes.errorbar(x, y, yerr=error, fmt="none", ecolor=BLUE, elinewidth=0.8, capsize=1.5)
+    axes.set(xscale=x_scale, yscale=y_scale)
     figure.savefig(output, dpi=200)
     return os.fspath(output)
 
 
-def plot_compression(path, output):
+def plot_compression(path, output, title=True):
     """Draw the course of a run into `output` (a name that ends as any format of matplotlib: .png, .pdf, .svg).
 
     A compression: the packing fraction against time, and the reduced pressure P V / (n kT), on a logarithmic axis, against
-    the packing fraction. At a fixed packing fraction: the reduced pressure and the temperature against time. The title
-    gives the bodies and the parameters. Returns the path written. ValueError when the file's log is empty.
+    the packing fraction. At a fixed packing fraction: the reduced pressure against time, and the temperature, or where that stands still
+    the collision rate; each with its mean over time and the standard error of that by blocks (`block_error`), as a band. `title` gives the
+    bodies and the parameters above. Returns the path written. ValueError when the file's log is empty.
     """
-    from matplotlib.figure import Figure
-
     log = read_log(path)
     if len(log["time"]) == 0:
         raise ValueError(f"path: {path} has no entries in its log yet; at least one is needed")
-    figure = Figure(figsize=(9.0, 3.9), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = panels(1, 2, (9.0, 3.9))
     if not is_at_rest(log["packing_fraction"]):
         _curve(left, log["time"], log["packing_fraction"], "time", r"packing fraction $\phi$")
         _curve(right, log["packing_fraction"], log["reduced_pressure"], r"packing fraction $\phi$", PRESSURE)
         right.set_yscale("log")
     else:
-        _curve(left, log["time"], log["reduced_pressure"], "time", PRESSURE)
-        _show_mean(left, log["reduced_pressure"])
-        _curve(right, log["time"], log["temperature"], "time", r"temperature $k_BT$")
-        _show_mean(right, log["temperature"])
-    figure.suptitle(describe(path), fontsize=10)
+        lengths = log["time"] - interval_starts(path, log)
+        _curve_and_mean(left, log["time"], log["reduced_pressure"], lengths, PRESSURE)
+        warm = log["temperature"][np.isfinite(log["temperature"])]
+        steady = len(warm) > 0 and np.ptp(warm) <= STANDS_STILL * warm.max()
+        name, label = ("collision_rate", "collisions per body and time") if steady else ("temperature", "temperature $kT$")
+        _curve_and_mean(right, log["time"], log[name], lengths, label)
+    if title:
+        figure.suptitle(describe(path), fontsize=10)
     figure.savefig(output, dpi=200)
     return os.fspath(output)
 
 
 def _curve(axes, x, y, x_label, y_label):
-    axes.plot(x, y, color=COLOUR, linewidth=1.4, marker="." if len(x) < 60 else None)
-    axes.set_xlabel(x_label)
-    axes.set_ylabel(y_label)
-    axes.grid(True, color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
+    axes.plot(x, y, color=BLUE, linewidth=1.4, marker="." if len(x) < 60 else None)
+    axes.set(xlabel=x_label, ylabel=y_label)
 
 
-def _show_mean(axes, values):
-    known = values[np.isfinite(values)]
-    if len(known):
-        axes.axhline(known.mean(), color="0.35", linewidth=0.9, linestyle="--")
-        axes.set_title(f"mean {known.mean():.5g}", loc="right", fontsize=9)
+def _curve_and_mean(axes, time, values, lengths, label):
+    """A series at rest, thin, with its mean and error; its values are means over intervals of these lengths that end at the times."""
+    axes.plot(time, values, color=BLUE, linewidth=0.8, marker="." if len(time) < 60 else None, alpha=0.6)
+    axes.set(xlabel="time", ylabel=label)
+    known = np.isfinite(values) & (lengths > 0)
+    if not known.any():
+        return
+    mean, error = weighted_mean(values[known] * lengths[known], lengths[known])
+    axes.axhline(mean, color=ORANGE, linewidth=1.2)
+    if np.isfinite(error):
+        axes.axhspan(mean - error, mean + error, color=ORANGE, alpha=0.25, linewidth=0)
+    axes.set_title(f"mean {in_words(mean, error)}", loc="right", fontsize=9)
+
+
+def in_words(mean, error):
+    """A mean and its error, to two digits of the error."""
+    if not np.isfinite(error) or error <= 0:
+        return f"{mean:.5g}"
+    digits = max(0, 1 - int(np.floor(np.log10(error))))
+    return f"{mean:.{digits}f} ± {error:.{digits}f}"
 
 
 def describe(path):

@@ -1,12 +1,9 @@
 """What are pressure and temperature in equilibrium, and how sure is that? Means of a run's dense series, with errors by blocks."""
 
-import os
-
 import numpy as np
 
 from analysis.blocks import weighted_mean
-from analysis.curves import is_at_rest, read_log
-from analysis.reader import PARTICLES, RunFile
+from analysis.curves import interval_starts, is_at_rest, read_log
 
 MEANS = ("pressure", "reduced_pressure", "temperature", "collision_rate")
 
@@ -20,9 +17,7 @@ def mean_pressure(path, start=-np.inf, stop=np.inf):
     ValueError where no row is left, or the packing fraction changes: then there is no equilibrium to be averaged.
     """
     log = read_log(path)
-    with RunFile(os.fspath(path)) as file:
-        begun = file[f"{PARTICLES}/position/time"][0]
-    before = np.concatenate([[begun], log["time"][:-1]])
+    before = interval_starts(path, log)
     counts = (before >= start) & (log["time"] <= stop) & (log["time"] > before)
     if not counts.any():
         raise ValueError(f"start, stop = {start}, {stop}: no interval of the log of {path} lies between them")

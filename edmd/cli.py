@@ -97,13 +97,17 @@ def _parser():
     verify.add_argument("file")
 
     plot = command("plot", _plot, "draw pressure and packing fraction along a run")
-    render = command("render", _render, "draw a picture of the bodies")
+    plot.add_argument("--no-title", action="store_true", help="leave out the line about bodies and parameters")
+    render = command("render", _render, "draw a picture of the bodies, or with --frames a movie")
     for drawing, suffix in ((plot, "plot"), (render, "picture")):
         drawing.add_argument("file")
         drawing.add_argument("-o", "--output", default=None, help=f"picture to write (default: beside the file, FILE.{suffix}.png)")
         drawing.add_argument("--overwrite", action="store_true", help="replace the output when it exists")
         drawing.set_defaults(suffix=suffix)
     render.add_argument("--frame", type=int, default=-1, help="frame to draw; negative counts from the end")
+    render.add_argument("--frames", default=None, metavar="START:STOP:STEP", help="frames of a movie instead, as in Python, ':' for all; "
+                        "OUTPUT is then a folder for pictures 00000.png, 00001.png, ... (default: beside the file, FILE.movie), or a .gif")
+    render.add_argument("--per-second", type=float, default=25.0, help="pictures a second in a .gif")
     render.add_argument("--colour", "--color", choices=["orientation", "species", "contacts"], default="orientation")
     render.add_argument("--contact-gap", type=float, default=1e-5, help="relative gap below which two bodies are in contact")
     render.add_argument("--size", type=int, nargs=2, default=[900, 900], metavar=("WIDTH", "HEIGHT"), help="in pixels")
@@ -228,14 +232,43 @@ def _verify(options):
 def _plot(options):
     from analysis import plot_compression
 
-    return _draw(options, lambda output: plot_compression(options.file, output))
+    return _draw(options, lambda output: plot_compression(options.file, output, not options.no_title))
 
 
 def _render(options):
     from analysis import render
 
+    if options.frames is not None:
+        return _render_series(options)
     return _draw(options, lambda output: render(options.file, output, options.frame, options.colour, tuple(options.size),
                                                   contact_gap=options.contact_gap))
+
+
+def _render_series(options):
+    from pathlib import Path
+
+    from analysis import render_series
+    from edmd.exchange import selected
+    from edmd.outputs import check_output
+    from edmd.trajectory import open_run
+
+    with open_run(options.file) as file:
+        frames = selected(options.frames, len(file["particles/trajectory/position/step"]))
+    output = Path(options.output or f"{options.file.removesuffix('.h5md')}.movie")
+    if output.suffix.lower() == ".gif":
+        check_output(output, options.overwrite)
+    elif output.exists() and not output.is_dir():
+        raise ValueError(f"output = {str(output)!r}: is a file; expected the name of a folder or of a .gif")
+    elif output.is_dir() and any(output.iterdir()) and not options.overwrite:
+        raise ValueError(f"output = {str(output)!r}: the folder is not empty; choose another name or overwrite it")
+    if output.is_dir():
+        for picture in output.glob("[0-9][0-9][0-9][0-9][0-9].png"):            # of a longer movie, perhaps
+            picture.unlink()
+    written = render_series(options.file, output, frames, options.colour, tuple(options.size), contact_gap=options.contact_gap,
+                            per_second=options.per_second)
+    _say({"frames": len(frames), "output": output} | ({} if output.suffix.lower() == ".gif" else {
+        "a movie": f"ffmpeg -framerate {options.per_second:g} -i {Path(written[0]).parent}/%05d.png -pix_fmt yuv420p {output}.mp4"}))
+    return 0
 
 
 def _export(options):

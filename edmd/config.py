@@ -292,7 +292,8 @@ def _checked(document):
         raise ValueError("stage: expected at least one [[stage]], such as kind = \"run\", time = 10.0")
     return Config(_seed("seed", document.get("seed", 0)), _of_kind("system", document.get("system", {}), SYSTEMS, "lattice"),
                   tuple(_of_kind(f"stage.{i}", stage, STAGES, None) for i, stage in enumerate(stages)),
-                  checked_section("output", document.get("output", {}), Output), _of_kind("rule", document.get("rule", {}), RULES, "elastic"))
+                  checked_section("output", document.get("output", {}), Output),
+                  _of_kind("rule", document.get("rule", {}), RULES, "elastic"))
 
 
 def _of_kind(name, table, kinds, default):

@@ -40,7 +40,7 @@ def export(source, path, format=None, frames=None, overwrite=False, progress=Fal
         if Path(path).exists() and Path(path).samefile(source):
             raise ValueError(f"output = {str(path)!r}: is the file to read; expected another name")
         path, one = check_output(path, overwrite), room.__name__ in ONE_FRAME
-        indices = _selected(-1 if frames is None and one else frames, len(file["particles/trajectory/position/step"]))
+        indices = selected(-1 if frames is None and one else frames, len(file["particles/trajectory/position/step"]))
         if one and len(indices) > 1:
             raise ValueError(f"frames = {frames!r}: selects {len(indices)} frames, and a LAMMPS data file holds one; expected one index")
         _write(room, path, (frame_of(file, source, index) for index in (_shown(indices) if progress else indices)))
@@ -85,7 +85,7 @@ def _room(path, format):
     return importlib.import_module(f"edmd.formats.{format.replace('-', '_')}")
 
 
-def _selected(frames, count):
+def selected(frames, count):
     """The indices from 0, as a range."""
     what = f"an index, a slice, or text such as '10:', '::5', '-1', of {count} frames"
     if isinstance(frames, str):

@@ -5,6 +5,7 @@ import MDAnalysis as mda
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from PIL import Image
 from runs import random_quaternions, write_run
 from scipy.spatial.transform import Rotation
 
@@ -142,6 +143,39 @@ def test_render_shows_the_frame_that_was_asked_for_and_leaves_the_universe_there
         assert universe.trajectory.frame == 0
     assert np.abs(pictures[0] - pictures[1]).max() > 0.2
     np.testing.assert_array_equal(pictures[1], pictures[2])
+
+
+@pytest.fixture
+def few_lamps(monkeypatch):
+    """They take most of the time, and what these tests look at does not depend on them."""
+    monkeypatch.setattr("analysis.shading.SKY_LAMPS", 6)
+    monkeypatch.setattr("analysis.shading.KEY_LAMPS", 2)
+
+
+def test_a_series_is_drawn_with_one_camera(tmp_path, few_lamps):
+    """One small body, in a corner and then in the middle: the cell stays where it is in the pictures."""
+    positions = np.array([[[0.1, 0.1, 0.1]], [[2.5, 2.5, 2.5]]])
+    run = write_run(tmp_path / "run.h5md", positions, UPRIGHT, (1.0, 1.0, 1.0), 5 * np.eye(3), [0, 1])
+    paths = analysis.render_series(run, tmp_path / "movie", size=(160, 160))
+    assert paths == [str(tmp_path / "movie" / name) for name in ("00000.png", "00001.png")]
+    first, second = (imread(path)[..., :3] for path in paths)
+    frame = [(picture.max(axis=2) < 0.35) for picture in (first, second)]
+    assert (frame[0] & frame[1]).sum() > 0.5 * max(frame[0].sum(), frame[1].sum()) > 50
+    analysis.render(run, tmp_path / "alone.png", frame=1, size=(160, 160))
+    assert (frame[0] & (imread(tmp_path / "alone.png")[..., :3].max(axis=2) < 0.35)).sum() < 0.3 * frame[0].sum()
+    assert len(analysis.render_series(run, tmp_path / "back", [-1, 0], size=(160, 160))) == 2
+    np.testing.assert_array_equal(imread(tmp_path / "back" / "00000.png")[..., :3], second)
+
+
+def test_a_movie_is_one_file(run, tmp_path, few_lamps):
+    assert analysis.render_series(run, tmp_path / "movie.gif", size=(60, 50), per_second=10) == [str(tmp_path / "movie.gif")]
+    with Image.open(tmp_path / "movie.gif") as movie:
+        assert (movie.n_frames, movie.size, movie.info["duration"], movie.info["loop"]) == (2, (60, 50), 100, 0)
+    with pytest.raises(ValueError, match="per_second: 0"):
+        analysis.render_series(run, tmp_path / "other.gif", per_second=0)
+    with pytest.raises(ValueError, match="frame: 7"):
+        analysis.render_series(run, tmp_path / "other", [0, 7])
+    assert not (tmp_path / "other").exists()
 
 
 REFUSED = [("colour", "blue"), ("frame", 2), ("frame", -3), ("size", (0, 9)), ("view", (0, 0, 0))]

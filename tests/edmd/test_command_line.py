@@ -143,6 +143,23 @@ def test_pack_does_not_overwrite(packed, capsys, tmp_path):
     assert np.array_equal(read_system(path).positions, read_system(packed[0]).positions)
 
 
+def test_render_of_a_movie(packed, capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("analysis.shading.SKY_LAMPS", 6)             # they take most of the time
+    order = ["render", str(packed[0]), "--size", "40", "40", "--frames"]
+    movie = tmp_path / "movie"
+    assert main([*order, ":3", "-o", str(movie)]) == 0
+    assert sorted(path.name for path in movie.iterdir()) == ["00000.png", "00001.png", "00002.png"]
+    assert f"-i {movie}/%05d.png" in capsys.readouterr().out
+    assert main([*order, ":2", "-o", str(movie)]) == 2
+    assert "not empty" in capsys.readouterr().err
+    assert main([*order, ":2", "-o", str(movie), "--overwrite"]) == 0
+    assert sorted(path.name for path in movie.iterdir()) == ["00000.png", "00001.png"]
+    assert main([*order, ":2", "-o", str(tmp_path / "movie.gif")]) == 0
+    assert (tmp_path / "movie.gif").read_bytes().startswith(b"GIF89a")
+    assert main([*order, "7:3", "-o", str(tmp_path / "none")]) == 2
+    assert "selects none" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("command", ["info", "verify", "plot", "render"])
 @pytest.mark.parametrize("kind", ["missing", "text", "half", "folder"])
 def test_bad_files(packed, command, kind, capsys, tmp_path):

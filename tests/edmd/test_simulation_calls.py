@@ -128,6 +128,14 @@ def test_expansion(rate):
     simulation.run(collisions=100).verify()
 
 
+def test_bodies_that_touch_can_be_expanded():
+    """From contact the reduced pressure of the first moments is beyond any at which a compression gives up."""
+    simulation = edmd.Simulation(edmd.lattice("fcc", (1, 1, 1), np.pi / np.sqrt(18) * (1 - 1e-11), cells=(3, 3, 3)))
+    simulation.compress(-0.1, until_packing_fraction=0.7)
+    assert simulation.packing_fraction == pytest.approx(0.7, abs=1e-14)
+    simulation.verify()
+
+
 def test_a_second_compression_grows_from_the_present_size():
     simulation = edmd.Simulation(fluids.fluid("sphere", 32, 0.3))
     simulation.compress(0.2, until_packing_fraction=0.4)

@@ -11,7 +11,12 @@ from scipy.spatial.transform import Rotation
 import boxers
 import ccd
 import ccd_equation
+import contacts_of_a_frame
 import cooling
+import crystal_from_ase
+import equation_of_state
+import isotropic_to_nematic
+import packing_by_aspect_ratio
 import robot_arm
 import sweep_compression_rates
 from figures import arm, boxing
@@ -194,11 +199,22 @@ def test_shoots_stop_at_the_first_contact():
     (robot_arm, [], ["robot_arm.png"], "W-7"),
     (ccd_equation, [], ["zero_sets.png", "affine_pair.png"], "Example 2: F has degree"),
     (sweep_compression_rates, ["--replicas", "2"], ["compression_rates.png", "sweep/summary.png"], "rate 0.1   packing fraction 0.6"),
+    (packing_by_aspect_ratio, ["-n", "32", "--rate", "0.1", "--replicas", "2"], ["packing_by_aspect_ratio.png"], "         1.5  0.6"),
+    (isotropic_to_nematic, ["-n", "32", "--collisions", "20", "--aspect-ratio", "2", "--replicas", "2"], ["isotropic_to_nematic.png"],
+     "            0.30   0."),
+    (equation_of_state, ["--cells", "3", "--collisions", "20"], ["equation_of_state.png"], "            0.30     3.9"),
+    (crystal_from_ase, ["--cells", "2", "--collisions", "20"], ["crystal_from_ase.png"], "32 spheroids from ASE, packing fraction 0.7707"),
+    (contacts_of_a_frame, ["-n", "32", "--rate", "0.1"], ["contacts.png"], "contacts between 32 bodies"),
     (cooling, ["-n", "100", "--until", "10"], ["cooling.png"], "Haff's law says"),
 ], ids=lambda value: getattr(value, "__name__", None))
 def test_each_example_runs_and_leaves_its_files(script, arguments, files, said, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(script, "INSTANTS", (0.0, 0.3), raising=False)         # pictures take most of the time
-    monkeypatch.setattr(script, "RATES", [0.3, 0.1], raising=False)
+    monkeypatch.setattr("analysis.shading.SKY_LAMPS", 6)
+    monkeypatch.setattr(script, "PIXELS", (60, 60), raising=False)
+    for name, fewer in {"RATES": [0.3, 0.1], "ASPECT_RATIOS": [0.8, 1.5], "PACKING_FRACTIONS": [0.45, 0.30]}.items():
+        if hasattr(script, name):
+            rising = getattr(script, name)[0] < getattr(script, name)[-1]
+            monkeypatch.setattr(script, name, sorted(fewer) if rising else fewer)
     monkeypatch.setattr(sys, "argv", [script.__name__, "--folder", str(tmp_path / "out"), *arguments])
     script.main()
     assert said in capsys.readouterr().out
