@@ -32,7 +32,7 @@ def build_world(system, rule):
     speed = np.sqrt((system.velocities**2).sum(axis=1).mean())
     clock[state.HORIZON] = kinds[kind, state.MARGIN_LENGTH].mean() / speed if speed > 0 else 1e300
     clock[state.REFINE] = REFINE_BELOW * clock[state.HORIZON] if speed > 0 else 0.0
-    clock[state.ROUNDING] = 8 * np.finfo(float).eps * np.abs(system.box).sum()
+    clock[state.ROUNDING] = np.finfo(float).eps * np.abs(system.box).sum()
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     tally[state.ENTRIES] = n * LIST_ROOM

@@ -13,7 +13,7 @@ from ccd.compiling import kernel
 from ccd.first_contact import gap_motion, grown, holding_time, support_motion
 from ccd.separation import best_plane, support
 from ccd.tolerances import COARSE, EXACT, TOUCHING
-from ccd.vectors import dot, load, norm, scale, store, subtract
+from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced
 from edmd.calendar import earliest_rival, schedule
 from edmd.events import EventKind
@@ -119,7 +119,7 @@ def span_of_sides(world, entry, own, n):
     top, top_rate = dot(n, own[0]) + below[0], dot(n, own[1]) + below[1]
     age = clock[NOW] - number[SINCE]
     rate = number[SIDE_RATE] - age * number[SIDE_BEND]
-    gap = number[SIDE] + 0.5 * age * (number[SIDE_RATE] + rate) - top - clock[ROUNDING]
+    gap = number[SIDE] + 0.5 * age * (number[SIDE_RATE] + rate) - top - 8 * clock[ROUNDING]
     there = imaged(world, entry, (0.0, 0.0, 0.0))
     other[SIDE], other[SIDE_RATE], other[SIDE_BEND], other[SINCE] = dot(n, there) - top, -top_rate, below[2], clock[NOW]
     return _within(clock[HORIZON], holding_time(gap, rate - top_rate, number[SIDE_BEND] + below[2]), number[SIDE_BEND] + below[2])
@@ -172,7 +172,8 @@ def meeting(r, v, reach, growing):
     closing, opening = dot(r, v) - reach * growing, dot(v, v) - growing * growing
     distance = norm(r)
     apart = max(distance - reach, 0.0) * (distance + reach)
-    square = closing * closing - opening * apart
+    offset, passing = add_scaled(scale(reach, v), -growing, r), cross(r, v)
+    square = dot(offset, offset) - dot(passing, passing)            # closing^2 - opening * apart, without the cancellation from afar
     root = sqrt(max(square, 0.0))
     over, under = (apart, root - closing) if closing < 0 else (closing + root, -opening)
     return inf if (square < 0) | (under <= 0) else over / under
@@ -246,7 +247,7 @@ def _predict_block(world, entries, own):
         column[SIDES + k], column[RATES + k], column[BENDS + k] = number[SIDE], number[SIDE_RATE], number[SIDE_BEND]
         column[AGES + k] = now - number[SINCE]
     _bound_columns(column, (end - begin + WIDTH - 1) // WIDTH * WIDTH, own,
-                   (size_now(clock), clock[GROWTH], 2 * clock[HORIZON], clock[ROUNDING]))
+                   (size_now(clock), clock[GROWTH], 2 * clock[HORIZON], 8 * clock[ROUNDING]))
     for entry in range(begin, end):
         k, twin = entry - begin, lists.links[entry, TWIN]
         number, there = lists.numbers[twin], 0.0
@@ -317,7 +318,7 @@ def look(world, body, entry):
 def _look_at_balls(world, entry, own, other):
     span, gap, rate, r = meeting_of_balls(world, entry, own, other)
     now, reach = world.clock[NOW], (own[2] + other[2]) * size_now(world.clock)
-    if rate < 0 and (gap <= TOUCHING * reach or now + span == now):
+    if rate < 0 and (gap <= TOUCHING * reach + world.clock[ROUNDING] or now + span == now):      # positions are known no better
         return True, rate, scale(1.0 / norm(r), r)
     hold_until(world, entry, now + span)
     return False, rate, r

@@ -125,12 +125,8 @@ def within(seconds):
         signal.signal(signal.SIGALRM, before)
 
 
-HANGS = pytest.mark.xfail(reason="near a contact of spheres a look moves no body by an ulp, the gap stays above TOUCHING, and time creeps",
-                          raises=TimeoutError, strict=True)
-
-
 @pytest.mark.parametrize("edge", [1e2, 1e3, 1e4])
-@pytest.mark.parametrize("shape", [pytest.param("sphere", marks=HANGS), *list(PAIR)[1:]])
+@pytest.mark.parametrize("shape", PAIR)
 def test_a_contact_in_a_wide_cell(shape, edge):
     """A position is known to 1e-16 of the cell: the contact is found to some fifty times that, as in a small cell, and is no overlap."""
     for offset in (0.03, 0.06, 0.12, 0.15, 0.3):
@@ -143,10 +139,11 @@ def test_a_contact_in_a_wide_cell(shape, edge):
         large.verify()
 
 
-@HANGS
 def test_spheres_that_meet_after_thousands_of_diameters():
     """A quadratic has the answer; the flight goes through a face of the cell."""
     apart, offset = 5000.0, 0.6
     with within(2):
         simulation = edmd.Simulation(head_on((0.5, 0.5, 0.5), 1e4, apart, offset)).run(collisions=1)
-    assert simulation.time == pytest.approx((apart - np.sqrt(1 - offset**2)) / 2, abs=1e-9)
+    # on the way the body is moved thousands of times, each to the 2e-12 to which a position is known in this cell
+    assert simulation.time == pytest.approx((apart - np.sqrt(1 - offset**2)) / 2, abs=1e-8)
+    simulation.verify()
