@@ -5,7 +5,7 @@ from ccd.free_top import angular_acceleration, angular_velocity, fastest_turning
 from ccd.precession import NO_AXIS
 from ccd.rotation import body_axes, load_quaternion, turn
 from ccd.separation import semi_axis_vectors
-from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store
+from ccd.vectors import add_scaled, cross, load, norm, scale, store
 from edmd.state import (
     ACROSS,
     AXIS,

@@ -45,7 +45,7 @@ def test_a_support_stays_below_its_parabola(semi_axes, tilt):
     n /= np.linalg.norm(n, axis=1)[:, None]
     h = supports(semi_axes, u, about, n)
     for reach in (0.05, 0.5, 8.0):
-        within = TIMES <= reach
+        within = reach >= TIMES
         for k, direction in enumerate(n):
             value, rate, bend = support_motion(vectors, ahead, tuple(direction.tolist()), 0.0, reach)
             time = TIMES[within]
