@@ -28,7 +28,7 @@ def test_run_wants_exactly_one_positive_length(simulation, arguments):
     {"rate": 0.0, "until_pressure": 100}, {"rate": np.nan, "until_pressure": 100}, {"rate": "fast", "until_pressure": 100},
     {"rate": np.inf, "until_pressure": 100}, {"rate": 0.1}, {"rate": 0.1, "until_pressure": 100, "until_packing_fraction": 0.5},
     {"rate": 0.1, "until_pressure": 1.0}, {"rate": 0.1, "until_pressure": -5}, {"rate": 0.1, "until_pressure": np.nan},
-    {"rate": 0.1, "until_pressure": 1e15}, {"rate": -0.1, "until_pressure": 100}, {"rate": 0.1, "until_packing_fraction": 0.3},
+    {"rate": 0.1, "until_pressure": 1e15}, {"rate": -0.1, "until_pressure": 0.9}, {"rate": 0.1, "until_packing_fraction": 0.3},
     {"rate": 0.1, "until_packing_fraction": 1.0}, {"rate": 0.1, "until_packing_fraction": np.nan},
     {"rate": -0.1, "until_packing_fraction": 0.5}, {"rate": -0.1, "until_packing_fraction": 0.0},
 ])
