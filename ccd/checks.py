@@ -5,6 +5,7 @@ import operator
 import numpy as np
 
 UNIT = 1e-15
+SHORT = 12                   # elements of an array that a message shows in full
 SINGULAR = 1e-14             # ratio of singular values, some 50 roundings
 
 
@@ -17,22 +18,29 @@ def real_array(name, value, shape, what):
         raise ValueError(f"{name} = {value!r}: expected {what}") from None
     if array.ndim != len(shape) or any(want is not None and have != want for have, want in zip(array.shape, shape)):
         raise ValueError(f"{name} has shape {array.shape}: expected {what}")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} = {value!r}: expected finite numbers")
+    _everywhere(name, value, array, np.isfinite(array), "finite numbers")
     return array
+
+
+def _everywhere(name, value, array, fine, what):
+    """ValueError for the first element of an array that is not fine; a short array is shown as it was given."""
+    if fine.all():
+        return
+    if array.size <= SHORT:
+        raise ValueError(f"{name} = {value!r}: expected {what}")
+    where = tuple(np.argwhere(~fine)[0].tolist())
+    raise ValueError(f"{name}[{', '.join(map(str, where))}] = {array[where]}: expected {what}")
 
 
 def semi_axes(name, value, shape=(3,), what="three positive lengths"):
     array = real_array(name, value, shape, what)
-    if not (array > 0).all():
-        raise ValueError(f"{name} = {value!r}: every semi-axis must be positive")
+    _everywhere(name, value, array, array > 0, "positive semi-axes")
     return array
 
 
 def principal_moments(name, value, shape=(3,), what="three positive moments of inertia"):
     array = real_array(name, value, shape, what)
-    if not (array > 0).all():
-        raise ValueError(f"{name} = {value!r}: every moment of inertia must be positive")
+    _everywhere(name, value, array, array > 0, "positive moments of inertia")
     return array
 
 

@@ -61,9 +61,10 @@ class Simulation:
             raise ValueError(f"system = {system!r}: expected an edmd.System")
         first, second, f = system.contact_functions()
         if len(f) and sqrt(f.min()) < 1 - OVERLAP:
-            worst = f.argmin()
-            raise ValueError(f"system: bodies {first[worst]} and {second[worst]} overlap (they touch when scaled by {sqrt(f[worst]):.6g}); "
-                             "expected a start without overlap")
+            one, other, factor = first[f.argmin()], second[f.argmin()], f"(they touch when scaled by {sqrt(f.min()):.6g})"
+            if one == other:
+                raise ValueError(f"system: body {one} and its own periodic image overlap {factor}; expected a larger box")
+            raise ValueError(f"system: bodies {one} and {other} overlap {factor}; expected a start without overlap")
         self.seed, self.rule = checks.natural_number("seed", seed), chosen_rule(restitution, rule)
         self._system = system.copy()
         self._order = spatial_order(system.positions, system.box)          # of the bodies in the world
@@ -362,7 +363,8 @@ class Simulation:
         for observer in observers:
             observer.finish(View(self, Interval()))
         if jammed:
-            raise ValueError(f"until_packing_fraction = {course.until_packing_fraction}: the bodies jam at {self.packing_fraction:.6f}")
+            raise ValueError(f"until_packing_fraction = {course.until_packing_fraction}: the bodies jam at {self.packing_fraction:.6f}; "
+                             "expected less, or a slower rate")
         return self
 
     def _go(self, observers):
