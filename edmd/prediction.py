@@ -186,7 +186,8 @@ def meeting_of_balls(world, entry, own, other):
     r, v = imaged(world, entry, subtract(other[0], own[0])), subtract(other[1], own[1])
     distance, growing = norm(r), reach * clock[GROWTH]
     reach *= size_now(clock)
-    return meeting(r, v, reach, growing), distance - reach, dot(r, v) / distance - growing, r
+    rate = dot(scale(1.0 / distance, r), v) - growing           # along the n of the impulse, to the bit: else energy drifts one way
+    return meeting(r, v, reach, growing), distance - reach, rate, r
 
 
 @kernel
