@@ -1,5 +1,7 @@
 """How did the pressure and the density go? The dense series of a run as curves."""
 
+from __future__ import annotations
+
 import json
 import os
 
@@ -8,12 +10,13 @@ import numpy as np
 from analysis.blocks import weighted_mean
 from analysis.panels import BLUE, ORANGE, panels
 from analysis.reader import PARTICLES, RunFile
+from ccd.annotations import AnyPath, Array, ArrayLike
 
 STANDS_STILL = 1e-9             # packing fraction, temperature: a spread below it is rounding
 PRESSURE = r"reduced pressure $PV/nkT$"
 
 
-def read_log(path):
+def read_log(path: AnyPath) -> dict[str, Array]:
     """The dense series of an edmd file.
 
     A dict of arrays (M,), `time`, `collisions`, `packing_fraction`, `reduced_pressure` and the others: the M rows that are whole in all.
@@ -36,7 +39,8 @@ def is_at_rest(packing_fraction):
     return np.ptp(packing_fraction) <= STANDS_STILL
 
 
-def plot_curve(x, y, output, error=None, x_label="", y_label="", x_scale="linear", y_scale="linear"):
+def plot_curve(x: ArrayLike, y: ArrayLike, output: AnyPath, error: ArrayLike | None = None, x_label: str = "", y_label: str = "",
+               x_scale: str = "linear", y_scale: str = "linear") -> str:
     """Draw one result, y (m,) against x (m,), into `output`, with error bars of one standard error where `error` (m,) is given.
 
     As `plot_curve(*[results[name] for name in ("r", "g")], "g.pdf", results.error, "r", "g(r)")`. Scales are those of matplotlib: "linear",
@@ -54,7 +58,7 @@ def plot_curve(x, y, output, error=None, x_label="", y_label="", x_scale="linear
     return os.fspath(output)
 
 
-def plot_compression(path, output, title=True):
+def plot_compression(path: AnyPath, output: AnyPath, title: bool = True) -> str:
     """Draw the course of a run into `output` (a name that ends as any format of matplotlib: .png, .pdf, .svg).
 
     A compression: the packing fraction against time, and the reduced pressure P V / (n kT), on a logarithmic axis, against

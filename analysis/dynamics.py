@@ -1,16 +1,19 @@
 """How do bodies move and turn in time? Mean squared displacements along and across their axes, and what is left of an orientation."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from analysis.axes import unit_vectors
 from analysis.frames import FrameAnalysis
 from ccd import checks
+from ccd.annotations import Array, ArrayLike, Floats
 
 SAME_LAG = 1e-9                 # relative to the whole time: lags that differ by less are one
 AT_ONCE = 200_000               # displacements held in memory at a time
 
 
-def time_lags(times, longest=None, bins=None):
+def time_lags(times: ArrayLike, longest: float | None = None, bins: ArrayLike | None = None) -> list[tuple[float, Array, Array]]:
     """The pairs of frames in groups of equal lag: a list of (lag, first (m,), second (m,)), m pairs t[second] - t[first], by lag, 0 first.
 
     `times` (frames,), growing. Frames at equal intervals give as many groups as frames; others up to one a pair. `bins`, edges of lags that
@@ -47,7 +50,8 @@ def mean_over_lags(groups, n, quantity):
     return np.array(means).T
 
 
-def mean_squared_displacement(positions, axes, times, longest=None, bins=None):
+def mean_squared_displacement(positions: ArrayLike, axes: ArrayLike, times: ArrayLike, longest: float | None = None,
+                              bins: ArrayLike | None = None) -> tuple[Floats, Floats, Floats, Floats]:
     """Mean squared displacement, whole, along and across the axis that each body had at the start of the interval.
 
     <|d|^2>, <(d.u(0))^2> and their difference, the two directions across together, with d = r(t) - r(0), over bodies and time origins.
@@ -67,7 +71,8 @@ def mean_squared_displacement(positions, axes, times, longest=None, bins=None):
     return np.array([lag for lag, *_ in groups]), total, parallel, total - parallel
 
 
-def orientational_correlation(axes, times, longest=None, bins=None):
+def orientational_correlation(axes: ArrayLike, times: ArrayLike, longest: float | None = None,
+                              bins: ArrayLike | None = None) -> tuple[Floats, Floats, Floats]:
     """C1 = <u(0).u(t)> and C2 = <P2(u(0).u(t))>, P2(x) = (3 x^2 - 1) / 2: what is left of an orientation after a time.
 
     1 at first, 0 when it is forgotten (in a nematic, the square of the order). C1 tells the two ends of a body apart, C2 does not.

@@ -1,10 +1,13 @@
 """Frame by frame: what the analyses here share. Each frame is answered by itself, so MDAnalysis may spread frames over processes."""
 
+from __future__ import annotations
+
 import numpy as np
 from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.analysis.results import ResultsGroup
 
 from analysis.axes import body_axes
+from ccd.annotations import Floats
 
 
 class FrameAnalysis(AnalysisBase):
@@ -15,7 +18,7 @@ class FrameAnalysis(AnalysisBase):
     of files of other programs they are MDAnalysis' float32.
     """
 
-    SERIES = ()
+    SERIES: tuple[str, ...] = ()
     _analysis_algorithm_is_parallelizable = True
 
     @classmethod
@@ -51,7 +54,7 @@ class FrameAnalysis(AnalysisBase):
         return cell_of(self._ts)
 
     @property
-    def bodies(self):
+    def bodies(self) -> tuple[Floats, Floats, Floats]:
         """Positions (n, 3), orientations (n, 4) and semi-axes (n, 3)."""
         return self.positions, self.atomgroup.orientations, self.atomgroup.semi_axes
 

@@ -1,17 +1,26 @@
 """What does the packing look like? A picture for a paper, by exact rays, without a display."""
 
+from __future__ import annotations
+
 import itertools
 import os
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import MDAnalysis as mda
 import numpy as np
 from matplotlib.image import imsave
+from numpy.typing import NDArray
 from PIL import Image
 
 from analysis import colours
 from analysis.raycasting import draw_bodies, draw_segment, empty_map, surfaces
 from analysis.shading import GLOSS, develop, frame_towards, light_on, visible_samples
+from ccd.annotations import AnyPath, ArrayLike, Floats
 from ccd.contacts import contact_numbers, contact_pairs, rattlers
+
+if TYPE_CHECKING:
+    from MDAnalysis import Universe
 
 RAYS = 3  # rays a side of a pixel
 MARGIN = 1.03
@@ -19,7 +28,8 @@ EDGE_SHADE = 0.02
 VIEW = (0.42, -1.0, 0.36)
 
 
-def render(source, output, frame=-1, colour="orientation", size=(900, 900), view=VIEW, cell=True, contact_gap=1e-5):
+def render(source: AnyPath | Universe, output: AnyPath, frame: int = -1, colour: str = "orientation", size: tuple[int, int] = (900, 900),
+           view: ArrayLike = VIEW, cell: bool = True, contact_gap: float = 1e-5) -> str:
     """Draw one frame of a run into a PNG file.
 
     `source` is the path of an edmd file, or a Universe of one, whose current frame stays as it is; `frame` its number,
@@ -34,8 +44,9 @@ def render(source, output, frame=-1, colour="orientation", size=(900, 900), view
     return os.fspath(output)
 
 
-def render_series(source, output, frames=None, colour="orientation", size=(900, 900), view=VIEW, cell=True, contact_gap=1e-5,
-                  per_second=25):
+def render_series(source: AnyPath | Universe, output: AnyPath, frames: Iterable[int] | None = None, colour: str = "orientation",
+                  size: tuple[int, int] = (900, 900), view: ArrayLike = VIEW, cell: bool = True, contact_gap: float = 1e-5,
+                  per_second: float = 25) -> list[str]:
     """Draw frames of a run as a movie, all from one camera that has every one of them in its picture.
 
     `output`: a name that ends in .gif, a movie of `per_second` pictures a second that repeats itself, in 256 colours; or a folder, made
@@ -99,7 +110,8 @@ def body_colours(colour, atoms, data, contact_gap):
     return colours.orientation_colours(data["orientation"], data["semi_axes"])
 
 
-def image(bodies, paint, cell=None, size=(900, 900), view=VIEW, window=None):
+def image(bodies: tuple[Floats, Floats, Floats], paint: ArrayLike, cell: ArrayLike | None = None, size: tuple[int, int] = (900, 900),
+          view: ArrayLike = VIEW, window: tuple[Floats, Floats] | None = None) -> NDArray[np.uint8]:
     """The picture of ellipsoids as sRGB bytes (height, width, 3), on white, in parallel projection.
 
     `bodies` are (positions (n, 3), orientations (n, 4) scalar first, semi_axes (n, 3)); `paint` (n, 3) linear RGB; `cell`

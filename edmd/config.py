@@ -7,13 +7,14 @@ edmd/rules; the annotation of a field holds its type, what it means, and the che
 import copy
 import json
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
 from math import inf
 from typing import Annotated, Any, get_type_hints
 
 from ccd import checks
+from ccd.annotations import AnyPath
 from edmd.initial import LATTICES
 from edmd.observers import Every, Logarithmic, Milestones
 from edmd.rules.kinds import RULES
@@ -215,7 +216,10 @@ DEFAULT = {"stage": [{"kind": "run", "collisions_per_particle": 100.0}, {"kind":
                      {"kind": "run", "collisions_per_particle": 100.0}]}
 
 
-def read_config(source, overrides=()):
+ConfigSource = AnyPath | dict[str, Any] | Config
+
+
+def read_config(source: ConfigSource, overrides: Iterable[str] = ()) -> Config:
     """The Config of a TOML file (its path), of a document (a dict as `tomllib` gives it) or of a Config, with overrides such as
     "system.n=500" or "stage.0.rate=1e-3" (stages count from 0). ValueError says what is wrong, and what would be accepted."""
     document = document_of(source)
@@ -247,7 +251,7 @@ def put(document, path, value):
             place = place[key] if isinstance(place, list) else place.setdefault(key, {})
 
 
-def config_text(document=DEFAULT):
+def config_text(document: ConfigSource = DEFAULT) -> str:
     """A config as TOML that can be run, with every key, its value and what it means; what is off, and other kinds, as comments."""
     config = read_config(document)
     parts = [f"{f'seed = {config.seed}':<41} # of everything that is drawn at random"]
@@ -292,7 +296,8 @@ def _checked(document):
         raise ValueError("stage: expected at least one [[stage]], such as kind = \"run\", time = 10.0")
     return Config(_seed("seed", document.get("seed", 0)), _of_kind("system", document.get("system", {}), SYSTEMS, "lattice"),
                   tuple(_of_kind(f"stage.{i}", stage, STAGES, None) for i, stage in enumerate(stages)),
-                  checked_section("output", document.get("output", {}), Output), _of_kind("rule", document.get("rule", {}), RULES, "elastic"))
+                  checked_section("output", document.get("output", {}), Output),
+                  _of_kind("rule", document.get("rule", {}), RULES, "elastic"))
 
 
 def _of_kind(name, table, kinds, default):

@@ -1,12 +1,17 @@
 """A run from its config: start, stages, files; going on after an interruption; the same run again from its file."""
 
+from __future__ import annotations
+
 import hashlib
 import json
 import signal
 import threading
+from collections.abc import Iterable
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from ccd.annotations import AnyPath
 from edmd.checkpoint import Checkpoint, read_checkpoint
 from edmd.config import UNITS, read_config
 from edmd.initial import crystal, lattice, random_system, thermalized
@@ -20,12 +25,17 @@ from edmd.simulation import Simulation
 from edmd.system import PER_BODY
 from edmd.trajectory import Trajectory, open_run, read_system
 
+if TYPE_CHECKING:
+    from edmd.config import ConfigSource
+    from edmd.observers import Observer
+
 
 class RunFailed(RuntimeError):
     """A run that could not be done as its config says; what was written until then is kept."""
 
 
-def run(config, overrides=(), output=None, overwrite=False, observers=(), progress=False, start_digest=None):
+def run(config: ConfigSource, overrides: Iterable[str] = (), output: AnyPath | None = None, overwrite: bool = False,
+        observers: Iterable[Observer] = (), progress: bool = False, start_digest: str | None = None) -> Simulation:
     """Do what a config says, and write the file it names. -> the Simulation at its end.
 
     config: path of a TOML file, a document (dict) or a Config; overrides: "KEY=VALUE", see `config.read_config`.
@@ -50,7 +60,7 @@ def run(config, overrides=(), output=None, overwrite=False, observers=(), progre
     return _do(simulation, config, trajectory, observers, progress)
 
 
-def resume(path, observers=(), progress=False):
+def resume(path: AnyPath, observers: Iterable[Observer] = (), progress: bool = False) -> Simulation:
     """Go on with an interrupted run from its last checkpoint; frames after that are written again, the same bit for bit. -> the Simulation
     at its end. ValueError when the run is complete, is still going on, or left no checkpoint. observers: more of them, started now."""
     config, _ = rebuilt(path)

@@ -12,11 +12,11 @@ import boxers
 import ccd
 import ccd_equation
 import contacts_of_a_frame
+import cooling
 import crystal_from_ase
 import equation_of_state
 import isotropic_to_nematic
 import packing_by_aspect_ratio
-import cooling
 import robot_arm
 import sweep_compression_rates
 from figures import arm, boxing
