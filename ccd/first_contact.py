@@ -15,7 +15,7 @@ from ccd.rotation import body_axes, turn_about
 from ccd.separation import best_plane, contact_point, semi_axis_vectors, support
 from ccd.status import Status
 from ccd.tolerances import CANCELLING, EXACT, LAG, SHOOT_STEPS, SPHERE_MARGIN, TOUCHING
-from ccd.turning_plane import facing, following, holding_span, support_series, swing
+from ccd.turning_plane import facing, first_root, following, holding_span, support_series, swing
 from ccd.vectors import add, add_scaled, cross, dot, norm, scale, subtract
 
 CONTACT, NO_CONTACT, OVERLAPPING, UNRESOLVED = (int(Status.CONTACT), int(Status.NO_CONTACT), int(Status.OVERLAPPING),
@@ -25,23 +25,29 @@ MOVED, CORRECTED, BEST = 0.0, 1.0, 2.0                  # how the plane of a sta
 
 
 @kernel
-def curvature(semi_axes, angular_velocity):
-    """A bound on h'' of a turning body for every n and all time, eq. (7) with h >= a_min."""
-    smallest, largest = min(semi_axes), max(semi_axes)
-    return dot(angular_velocity, angular_velocity) * (largest * largest - smallest * smallest) / smallest
+def support_motion(s, turning, n, age, reach):
+    """(value, rate, curvature) of a parabola in time that is nowhere below h(n) of a turning body, from now to `reach`, eqs. (5) to (7d).
 
-
-@kernel
-def support_motion(s, angular_velocity, bend, n, age):
-    """(value, rate, curvature) of a parabola in time that is nowhere below h(n) of a turning body, eqs. (5) and (7).
-
-    The semi-axis vectors s are those of `age` ago; the parabola's time counts from now. bend: the body's `curvature`.
-    No sine, no cosine.
+    The semi-axis vectors s are those of `age` ago; the parabola's time counts from now. turning: (angular velocity and acceleration then,
+    a bound on h'' for every n and all time, a bound on a sixth of the third derivative of h^2, 1 if the angular velocity is constant or
+    else 0); if so the third derivative is taken as it is. The local bound is used where h surely keeps half its value. No sine, no cosine.
     """
+    spin, acceleration, bend, swerve, steady = turning
+    until = age + reach
     p, q, w = dot(s[0], n), dot(s[1], n), dot(s[2], n)
+    seen = cross(n, spin)
+    twice = add(cross(seen, spin), cross(n, acceleration))
+    dp, dq, dw = dot(s[0], seen), dot(s[1], seen), dot(s[2], seen)
+    ddp, ddq, ddw = dot(s[0], twice), dot(s[1], twice), dot(s[2], twice)
     h = sqrt(p * p + q * q + w * w)
-    turning = cross(n, angular_velocity)
-    rate = (p * dot(s[0], turning) + q * dot(s[1], turning) + w * dot(s[2], turning)) / h
+    half_rate = p * dp + q * dq + w * dw
+    rate = half_rate / h
+    later = h + rate * until
+    square = steady * dot(spin, spin)
+    second = dp * dp + dq * dq + dw * dw + p * ddp + q * ddq + w * ddw - rate * rate
+    third = swerve + steady * (dp * ddp + dq * ddq + dw * ddw) - (1 / 3) * square * half_rate
+    over = second + max(until * (third + until * ((1 / 3) * square * bend * h)), 0.0)
+    bend = min(bend, max(over / h, over / later)) if later > 0.5 * h else bend
     return h + age * (rate + 0.5 * age * bend), rate + age * bend, bend
 
 
@@ -49,8 +55,8 @@ def support_motion(s, angular_velocity, bend, n, age):
 def grown(motion, size, growth, horizon):
     """`support_motion` of the same body with semi-axes times size + growth * time, a bound up to the horizon, eq. (11)."""
     value, rate, bend = motion
-    extra = 2 * growth * rate + max(growth, 0.0) * horizon * bend
-    return size * value, size * rate + growth * value, max(size * bend + extra, 0.0)
+    extra = 2 * growth * rate + max(growth * bend, 0.0) * horizon
+    return size * value, size * rate + growth * value, size * bend + extra
 
 
 @kernel
@@ -64,11 +70,7 @@ def gap_motion(n, r, velocity, motion_a, motion_b):
 @kernel
 def holding_time(gap, rate, bend):
     """How long gap + rate t - bend t^2 / 2 stays positive at least, eq. (8). inf when it always does."""
-    gap = max(gap, 0.0)
-    root = sqrt(rate * rate + 2 * bend * gap)
-    if rate < 0:
-        return 2 * gap / (root - rate)
-    return (rate + root) / bend if bend > 0 else inf
+    return first_root(max(gap, 0.0), rate, bend)
 
 
 @kernel

@@ -12,7 +12,7 @@ from math import copysign, inf, sqrt
 from ccd.compiling import kernel
 from ccd.rotation import cos_and_sinc, multiply, to_body, to_lab, turn
 from ccd.tolerances import DOUBLINGS, PERIOD, SHORT_TURN, STEADY
-from ccd.vectors import dot, scale
+from ccd.vectors import cross, dot, scale
 
 
 @kernel
@@ -26,6 +26,13 @@ def angular_momentum(q, angular_velocity, inverse_moments):
     """In the lab frame, as the angular velocity: the inverse of `angular_velocity`."""
     w = to_body(q, angular_velocity)
     return to_lab(q, (w[0] / inverse_moments[0], w[1] / inverse_moments[1], w[2] / inverse_moments[2]))
+
+
+@kernel
+def angular_acceleration(q, momentum, inverse_moments):
+    """In the lab frame: dw/dt, by Euler's equations."""
+    x = to_body(q, momentum)
+    return to_lab(q, _each(inverse_moments, cross(x, _each(inverse_moments, x))))
 
 
 @kernel

@@ -4,37 +4,40 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ccd.precession import symmetry_axes
 from edmd import state
 from edmd.epoch import energy_counted, kinetic_energy, mean_velocity, rebuild_all, reschedule_all
 from edmd.events import Ended
-from edmd.flight import advance_all, set_vectors
-from edmd.inertia import rotational_degrees, shape_turning
+from edmd.flight import advance_all, set_vectors, turn_still
+from edmd.inertia import angular_momenta, motions, rotational_degrees
 from edmd.neighbors import DONE
+from edmd.prediction import COLUMNS
 from edmd.rules.kinds import KIND, ROUGH, rule_row
-from edmd.spin import own_spins
-from edmd.state import Calendar, Contacts, Grid, Lists, Pairs, World
+from edmd.state import Calendar, Contacts, Grid, Lists, World
 from edmd.system import wrap
-from edmd.tolerances import CELL_FRACTION, DRIFTED, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, REFINE_BELOW
+from edmd.tolerances import CELL_FRACTION, DRIFTED, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, MORE_ROOM, REFINE_BELOW
 
 
 def build_world(system, rule):
     """A World at time 0 with lists and predictions made. The bodies must not overlap (the caller has checked)."""
     n = system.n
-    contacts = Contacts(rule_row(rule), np.full(n, -np.inf), 1 / system.moments, np.zeros(n))
-    bodies = _body_rows(system, contacts.rule[KIND] == ROUGH)
-    longest = bodies[:, state.LARGEST] + bodies[:, state.MARGIN_LENGTH]
+    contacts = Contacts(rule_row(rule), np.full(n, -np.inf))
+    kinds, kind = _kind_rows(system, contacts.rule[KIND] == ROUGH)
+    bodies = _body_rows(system, kinds, kind)
+    longest = kinds[:, state.LARGEST] + kinds[:, state.MARGIN_LENGTH]
     _check_cell(system, longest.max())
     clock = np.zeros(state.CLOCK_ROW)
     clock[state.SIZE] = 1.0
-    clock[state.HORIZON] = 1e300
     clock[state.REACH] = longest.max()
     speed = np.sqrt((system.velocities**2).sum(axis=1).mean())
-    clock[state.REFINE] = REFINE_BELOW * bodies[:, state.MARGIN_LENGTH].mean() / speed if speed > 0 else 0.0
+    clock[state.HORIZON] = kinds[kind, state.MARGIN_LENGTH].mean() / speed if speed > 0 else 1e300
+    clock[state.REFINE] = REFINE_BELOW * clock[state.HORIZON] if speed > 0 else 0.0
+    clock[state.ROUNDING] = np.finfo(float).eps * np.abs(system.box).sum()
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
-    world = World(bodies, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(n, LIST_ROOM),
-                  _pairs(n * LIST_ROOM // 2), _grid(system, 2 * longest.max()), _calendar(n), clock, tally, contacts)
-    world.tally[state.FREE_PAIRS] = len(world.pairs.free)
+    tally[state.ENTRIES] = n * LIST_ROOM
+    world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
+                  _grid(system, 2 * longest.max()), _calendar(n), clock, tally, contacts, np.zeros(COLUMNS))
     clock[state.ENERGY] = kinetic_energy(world)
     mass, drift = mean_velocity(world)
     if 0.5 * mass * np.dot(drift, drift) > DRIFTED * clock[state.ENERGY]:           # or it is rounding
@@ -43,6 +46,7 @@ def build_world(system, rule):
     world, status = with_room(world, rebuild_all)
     if status != DONE:
         raise ValueError(cell_too_small(system.box))
+    world = _packed(world)
     reschedule_all(world)
     return world
 
@@ -51,33 +55,29 @@ def with_room(world, action, *arguments):
     """Run a kernel that may need longer lists; it is asked again with more room as often as it says so. -> world, status."""
     status = action(world, *arguments)
     while status == Ended.LIST_FULL:
-        world = _enlarged(world)
+        world = _packed(world)
         status = action(world, *arguments)
     return world, status
 
 
 class Synchronised(NamedTuple):
-    """Bodies at one time: positions (n, 3) inside the cell, velocities (n, 3), orientations (n, 4) and turning (n, 3) of their shapes; of
-    rough ones the angle (n,) about their symmetry axes by which they are ahead of their shapes, and its rate (n,)."""
+    """Bodies at one time: positions (n, 3) inside the cell, velocities (n, 3), orientations (n, 4), angular momenta (n, 3); but for a spin
+    about an axis of revolution, which the world leaves out."""
 
     positions: np.ndarray
     velocities: np.ndarray
     orientations: np.ndarray
-    turning: np.ndarray
-    phase: np.ndarray
-    spin: np.ndarray
+    momenta: np.ndarray
 
 
 def synchronised_rows(world, order):
     """The bodies of now in some order (n,), as copies, and the images (n, 3) of their positions. The world is not touched."""
-    rows, now, spin = world.bodies[order], world.clock[state.NOW], np.zeros(len(order))
-    advance_all(rows, now)
-    if world.contacts.rule[KIND] == ROUGH:
-        own_spins(rows, world.contacts.inverse_moments[order], spin)
+    rows, now = world.bodies[order], world.clock[state.NOW]
+    advance_all(rows, world.kinds, now)
+    turn_still(rows, world.kinds, world.clock[state.EPOCH] + now)
     positions, outside = wrap(rows[:, state.POSITION:state.POSITION + 3], world.grid.box)
-    bodies = Synchronised(positions, rows[:, state.VELOCITY:state.VELOCITY + 3], rows[:, state.ORIENTATION:state.ORIENTATION + 4],
-                          rows[:, state.TURNING:state.TURNING + 3], world.contacts.phase[order] + spin * now, spin)
-    return bodies, world.image[order] + outside
+    return Synchronised(positions, rows[:, state.VELOCITY:state.VELOCITY + 3], rows[:, state.ORIENTATION:state.ORIENTATION + 4],
+                        rows[:, state.MOMENTUM:state.MOMENTUM + 3]), world.image[order] + outside
 
 
 def flattened(world, prefix=""):
@@ -85,19 +85,18 @@ def flattened(world, prefix=""):
     for name, value in zip(world._fields, world):
         if isinstance(value, tuple):
             yield from flattened(value, f"{prefix}{name}.")
-        else:
+        elif name not in ("directions", "links", "images"):           # the same memory as numbers
             yield prefix + name, value
 
 
 def unflattened(arrays):
     """The World of `flattened` arrays."""
-    parts = {"lists": Lists, "grid": Grid, "calendar": Calendar, "contacts": Contacts}
+    parts = {"grid": Grid, "calendar": Calendar, "contacts": Contacts}
     fields = {name: kind(*(np.ascontiguousarray(arrays[f"{name}.{field}"]) for field in kind._fields)) for name, kind in parts.items()}
     for name in ("bodies", "anchors"):
         fields[name] = _aligned_copy(arrays[name])
-    plane = _aligned_copy(arrays["pairs.plane"])
-    fields["pairs"] = Pairs(plane, plane.view(np.int32), arrays["pairs.free"])
-    return World(image=arrays["image"], clock=arrays["clock"], tally=arrays["tally"], **fields)
+    lists = _views(np.ascontiguousarray(arrays["lists.spans"]), _aligned_copy(arrays["lists.numbers"]), arrays["lists.seen"])
+    return World(lists=lists, **{name: arrays[name] for name in ("kinds", "image", "clock", "tally", "columns")}, **fields)
 
 
 def cell_too_small(box):
@@ -112,34 +111,50 @@ def _check_cell(system, longest):
         raise ValueError(f"{cell_too_small(system.box)}: its smallest width is {heights.min():.6g}, and {2 * longest:.6g} is needed")
 
 
-def _body_rows(system, rough):
-    n, semi_axes = system.n, system.semi_axes
-    turning, across, _ = shape_turning(system, rough)
-    rows = _aligned(n, state.BODY_ROW)
-    rows[:, state.POSITION:state.POSITION + 3] = system.positions
-    rows[:, state.VELOCITY:state.VELOCITY + 3] = system.velocities
-    rows[:, state.TURNING:state.TURNING + 3] = turning
-    rows[:, state.ORIENTATION:state.ORIENTATION + 4] = system.orientations
+def _kind_rows(system, rough):
+    """The table of kinds, and the kind (n,) of each body."""
+    distinct, kind = np.unique(np.column_stack([system.semi_axes, system.masses, system.moments]), axis=0, return_inverse=True)
+    semi_axes, moments = distinct[:, :3], distinct[:, 4:]
+    motion = motions(semi_axes, moments, rough)
+    smallest, largest, axis = semi_axes.min(axis=1), semi_axes.max(axis=1), symmetry_axes(semi_axes)
+    rows = np.zeros((len(distinct), state.KIND_ROW))
     rows[:, state.SEMI_AXES:state.SEMI_AXES + 3] = semi_axes
-    smallest, largest = semi_axes.min(axis=1), semi_axes.max(axis=1)
-    rows[:, state.BEND] = (turning**2).sum(axis=1) * (largest**2 - smallest**2) / smallest
-    rows[:, state.INVERSE_MASS] = 1 / system.masses
-    rows[:, state.INVERSE_INERTIA] = np.where(rough | (rotational_degrees(semi_axes) > 0), 1 / across, 0.0)
+    rows[:, state.INVERSE_MASS] = 1 / distinct[:, 3]
+    rows[:, state.INVERSE_MOMENTS:state.INVERSE_MOMENTS + 3] = 1 / moments
+    rows[:, state.AXIS] = axis
+    rows[:, state.MOTION] = motion
+    rows[:, state.DEGREES] = rotational_degrees(semi_axes, moments, rough)
+    rows[:, state.ACROSS] = np.where(motion == state.STEADY, 1 / moments[np.arange(len(distinct)), (np.minimum(axis, 2) + 1) % 3], 0.0)
+    rows[:, state.UNEQUAL] = (abs(np.roll(moments, 1, axis=1) - np.roll(moments, 2, axis=1)) / moments).max(axis=1)
     rows[:, state.SPREAD] = largest - smallest
     rows[:, state.LARGEST] = largest
+    rows[:, state.BENDING] = (largest**2 - smallest**2) / smallest
     rows[:, state.MARGIN_LENGTH] = MARGIN * np.cbrt(semi_axes.prod(axis=1))
-    set_vectors(rows)
+    return rows, kind.ravel()
+
+
+def _body_rows(system, kinds, kind):
+    rows = _aligned(system.n, state.BODY_ROW)
+    rows[:, state.POSITION:state.POSITION + 3] = system.positions
+    rows[:, state.VELOCITY:state.VELOCITY + 3] = system.velocities
+    rows[:, state.KIND] = kind
+    rows[:, state.MOMENTUM:state.MOMENTUM + 3] = angular_momenta(system)
+    rows[:, state.ORIENTATION:state.ORIENTATION + 4] = system.orientations
+    set_vectors(rows, kinds)
     return rows
 
 
-def _lists(n, room):
-    return Lists(np.zeros(n, dtype=np.int32), np.zeros((n, room), dtype=np.int32), np.zeros((n, room), dtype=np.int32),
-                 np.full((n, room), np.inf))
+def _lists(room):
+    """Empty lists with room (n,) for so many entries."""
+    spans = np.zeros((len(room), state.SPAN_ROW), dtype=np.int32)
+    spans[:, state.ROOM] = room
+    spans[:, state.BEGIN] = np.cumsum(room) - room
+    taken = int(room.sum())
+    return _views(spans, _aligned(taken + taken // 16 + 64, state.ENTRY_ROW), np.full(len(room), -1))
 
 
-def _pairs(rows):
-    plane = _aligned(rows, state.PAIR_ROW)
-    return Pairs(plane, plane.view(np.int32), np.arange(rows, dtype=np.int32)[::-1].copy())
+def _views(spans, numbers, seen):
+    return Lists(spans, numbers, numbers.view(np.float32), numbers.view(np.int32), numbers.view(np.int8), seen)
 
 
 def _calendar(n):
@@ -163,20 +178,21 @@ def _grid(system, reach):
                 np.full(system.n, -1, dtype=np.int32), system.box.copy(), inverse, heights)
 
 
-def _enlarged(world):
-    """The same world with twice the room in its lists and half as much again in its pair table."""
-    n, room = world.lists.pair.shape
-    lists, more = _lists(n, 2 * room), len(world.pairs.link)
-    for old, new in zip(world.lists[1:], lists[1:]):
-        new[:, :room] = old
-    pairs = _pairs(2 * more)
-    pairs.plane[:more] = world.pairs.plane
-    free = world.tally[state.FREE_PAIRS]
-    pairs.free[:free] = world.pairs.free[:free]
-    pairs.free[free:free + more] = np.arange(2 * more - 1, more - 1, -1)
-    world.tally[state.FREE_PAIRS] += more
-    lists.count[:] = world.lists.count
-    return world._replace(lists=lists, pairs=pairs)
+def _packed(world):
+    """The same world with its lists in order, each with a little more room than it has entries."""
+    spans, old = world.lists.spans, world.lists.numbers
+    count = spans[:, state.COUNT]
+    lists = _lists(count + MORE_ROOM - 1)
+    lists.spans[:, state.COUNT] = count
+    lists.seen[:] = world.lists.seen
+    slot = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    source, target = np.repeat(spans[:, state.BEGIN], count) + slot, np.repeat(lists.spans[:, state.BEGIN], count) + slot
+    moved = np.zeros(len(old), dtype=np.int32)
+    moved[source] = target
+    lists.numbers[target] = old[source]
+    lists.links[target, state.TWIN] = moved[lists.links[target, state.TWIN]]
+    world.tally[state.ENTRIES] = lists.spans[:, state.ROOM].sum()
+    return world._replace(lists=lists)
 
 
 def _aligned(rows, columns):

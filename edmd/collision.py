@@ -1,18 +1,14 @@
 """Apply the impulse of a contact to both bodies."""
 
 from ccd.compiling import kernel
-from ccd.first_contact import curvature
+from ccd.rotation import body_axes, load_quaternion
 from ccd.separation import support, support_point
 from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, store, subtract
-from edmd.flight import load_vectors
+from edmd.flight import kind_of, load_vectors, turning
 from edmd.prediction import size_now
 from edmd.rules import elastic, rough
 from edmd.rules.kinds import CONTACT_TIME, ELASTIC, KIND, PARAMETERS, ROUGH, smooth_restitution
-from edmd.spin import angular_velocity, own_spin, yielding
 from edmd.state import (
-    BEND,
-    BODY_A,
-    BODY_B,
     COLLISIONS,
     ENERGY,
     ENERGY_SINCE,
@@ -20,13 +16,12 @@ from edmd.state import (
     FAINT,
     FAINT_PAIR,
     GROWTH,
-    INVERSE_INERTIA,
     INVERSE_MASS,
-    NORMAL,
+    INVERSE_MOMENTS,
+    MOMENTUM,
     NOW,
-    SEMI_AXES,
+    ORIENTATION,
     SPARED,
-    TURNING,
     VECTORS,
     VELOCITY,
     VIRIAL,
@@ -35,39 +30,37 @@ from edmd.tolerances import FAINT_CHANGE, FAINTEST
 
 
 @kernel
-def _kick(row, n, arm, impulse):
-    """Impulse along n with torque impulse * arm, arm = lever x n."""
-    store(row, VELOCITY, add_scaled(load(row, VELOCITY), impulse * row[INVERSE_MASS], n))
-    turning = add_scaled(load(row, TURNING), impulse * row[INVERSE_INERTIA], arm)
-    store(row, TURNING, turning)
-    row[BEND] = curvature(load(row, SEMI_AXES), turning)
+def _kick(row, kind, impulse, torque, sign):
+    """An impulse and its torque about the centre, with this sign."""
+    store(row, VELOCITY, add_scaled(load(row, VELOCITY), sign * kind[INVERSE_MASS], impulse))
+    store(row, MOMENTUM, add_scaled(load(row, MOMENTUM), sign, torque))
 
 
 @kernel
-def collide(world, pair, rate):
-    """The pair touches now, both bodies up to date; rate is that of their gap, growth and rotation included."""
-    clock, link = world.clock, world.pairs.link[pair]
-    a, b = world.bodies[link[BODY_A]], world.bodies[link[BODY_B]]
-    n = load(world.pairs.plane[pair], NORMAL)
+def collide(world, body, partner, n, rate):
+    """Two bodies touch now, both up to date; n: the normal from one to the other, rate: of their gap, growth and rotation included."""
+    clock = world.clock
+    a, b = world.bodies[body], world.bodies[partner]
+    kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
     s_a, s_b, size = load_vectors(a, VECTORS), load_vectors(b, VECTORS), size_now(clock)
     lever_a, lever_b = scale(size, support_point(s_a, n)), scale(-size, support_point(s_b, n))
     arm_a, arm_b = cross(lever_a, n), cross(lever_b, n)
     # n is unit up to rounding only: its square keeps the energy, which would otherwise drift one way
-    inverse_mass = ((a[INVERSE_MASS] + b[INVERSE_MASS]) * dot(n, n)
-                    + a[INVERSE_INERTIA] * dot(arm_a, arm_a) + b[INVERSE_INERTIA] * dot(arm_b, arm_b))
+    inverse_mass = ((kind_a[INVERSE_MASS] + kind_b[INVERSE_MASS]) * dot(n, n)
+                    + dot(arm_a, turning(a, kind_a, arm_a)) + dot(arm_b, turning(b, kind_b, arm_b)))
     supports = support(s_a, n) + support(s_b, n)
     impulse, lost = elastic.impulse(-rate, inverse_mass), 0.0
     kind = int(world.contacts.rule[KIND])
-    if kind != ELASTIC and not _spared(world, link[BODY_A], link[BODY_B]):
-        _notice_faint(world, pair, rate)
+    if kind != ELASTIC and not _spared(world, body, partner):
+        _notice_faint(world, body, partner, rate)
         if kind == ROUGH:
-            _rub(world, pair, (lever_a, lever_b), clock[GROWTH] * supports)
+            _rub(world, body, partner, n, (lever_a, lever_b, clock[GROWTH] * supports))
             return
         left = smooth_restitution(world.contacts.rule, -rate)
         lost = -0.25 * (1 - left * left) * rate * impulse
         impulse *= 0.5 * (1 + left)
-    _kick(a, n, arm_a, -impulse)
-    _kick(b, n, arm_b, impulse)
+    _kick(a, kind_a, scale(impulse, n), scale(impulse, arm_a), -1.0)
+    _kick(b, kind_b, scale(impulse, n), scale(impulse, arm_b), 1.0)
     _record(world, impulse * supports * size, clock[GROWTH] * supports * impulse - lost)
 
 
@@ -86,11 +79,11 @@ def _spared(world, one, other):
 
 
 @kernel
-def _notice_faint(world, pair, rate):
+def _notice_faint(world, body, partner, rate):
     """Weigh collisions in a row whose approach is lost in the rounding of the velocities it is the difference of."""
-    tally, link = world.tally, world.pairs.link[pair]
-    a, b = world.bodies[link[BODY_A]], world.bodies[link[BODY_B]]
-    if -rate >= FAINTEST * max(norm(load(a, VELOCITY)), norm(load(b, VELOCITY))):
+    tally, n = world.tally, len(world.bodies)
+    pair = min(body, partner) * n + max(body, partner)
+    if -rate >= FAINTEST * max(norm(load(world.bodies[body], VELOCITY)), norm(load(world.bodies[partner], VELOCITY))):
         tally[FAINT] = 0
     else:
         tally[FAINT] += 1 if tally[FAINT] == 0 or pair == tally[FAINT_PAIR] else FAINT_CHANGE
@@ -98,25 +91,35 @@ def _notice_faint(world, pair, rate):
 
 
 @kernel
-def _rub(world, pair, levers, growth):
-    """A rough collision: an impulse in any direction. growth: speed at which growing surfaces approach each other."""
-    contacts, link, now = world.contacts, world.pairs.link[pair], world.clock[NOW]
-    one, other = link[BODY_A], link[BODY_B]
-    a, b, inverse_a, inverse_b = world.bodies[one], world.bodies[other], contacts.inverse_moments[one], contacts.inverse_moments[other]
-    n = load(world.pairs.plane[pair], NORMAL)
-    surface_a = add(load(a, VELOCITY), cross(angular_velocity(a, inverse_a), levers[0]))
-    surface_b = add(load(b, VELOCITY), cross(angular_velocity(b, inverse_b), levers[1]))
+def _rub(world, body, partner, n, contact):
+    """A rough collision: an impulse in any direction. contact: both levers, and the speed at which growing surfaces approach each other."""
+    a, b = world.bodies[body], world.bodies[partner]
+    kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
+    lever_a, lever_b, growth = contact
+    surface_a = add(load(a, VELOCITY), cross(turning(a, kind_a, load(a, MOMENTUM)), lever_a))
+    surface_b = add(load(b, VELOCITY), cross(turning(b, kind_b, load(b, MOMENTUM)), lever_b))
     velocity = add_scaled(subtract(surface_b, surface_a), -growth / dot(n, n), n)
-    m_a, m_b = yielding(a, a[INVERSE_MASS], inverse_a, levers[0]), yielding(b, b[INVERSE_MASS], inverse_b, levers[1])
+    m_a, m_b = _yielding(a, kind_a, lever_a), _yielding(b, kind_b, lever_b)
     matrix = (m_a[0] + m_b[0], m_a[1] + m_b[1], m_a[2] + m_b[2], m_a[3] + m_b[3], m_a[4] + m_b[4], m_a[5] + m_b[5])
-    impulse, lost = rough.impulse(n, velocity, dot(n, rough.times(matrix, n)), matrix, contacts.rule[PARAMETERS:])
-    contacts.phase[one] += now * own_spin(a, inverse_a)
-    contacts.phase[other] += now * own_spin(b, inverse_b)
-    _kick(a, impulse, cross(levers[0], impulse), -1.0)
-    _kick(b, impulse, cross(levers[1], impulse), 1.0)
-    contacts.phase[one] -= now * own_spin(a, inverse_a)
-    contacts.phase[other] -= now * own_spin(b, inverse_b)
-    _record(world, dot(impulse, subtract(levers[0], levers[1])), growth * dot(n, impulse) - lost)
+    impulse, lost = rough.impulse(n, velocity, dot(n, rough.times(matrix, n)), matrix, world.contacts.rule[PARAMETERS:])
+    _kick(a, kind_a, impulse, cross(lever_a, impulse), -1.0)
+    _kick(b, kind_b, impulse, cross(lever_b, impulse), 1.0)
+    _record(world, dot(impulse, subtract(lever_a, lever_b)), growth * dot(n, impulse) - lost)
+
+
+@kernel
+def _yielding(row, kind, lever):
+    """The symmetric matrix (xx, yy, zz, yz, zx, xy) from an impulse at lever from the centre to the change of velocity of that point:
+    1 / m + sum over the principal axes e of q q^T / I, q = e x lever."""
+    axes = body_axes(load_quaternion(row, ORIENTATION))
+    p, q, r = cross(axes[0], lever), cross(axes[1], lever), cross(axes[2], lever)
+    (i, j, k), inverse_mass = load(kind, INVERSE_MOMENTS), kind[INVERSE_MASS]
+    return (inverse_mass + i * p[0] * p[0] + j * q[0] * q[0] + k * r[0] * r[0],
+            inverse_mass + i * p[1] * p[1] + j * q[1] * q[1] + k * r[1] * r[1],
+            inverse_mass + i * p[2] * p[2] + j * q[2] * q[2] + k * r[2] * r[2],
+            i * p[1] * p[2] + j * q[1] * q[2] + k * r[1] * r[2],
+            i * p[2] * p[0] + j * q[2] * q[0] + k * r[2] * r[0],
+            i * p[0] * p[1] + j * q[0] * q[1] + k * r[0] * r[1])
 
 
 @kernel

@@ -5,7 +5,7 @@ from edmd.collision import collide
 from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
 from edmd.prediction import look, predict, reschedule
-from edmd.state import COLLISIONS, EVENTS, FAINT, INSTANT, NEXT_EPOCH, NOW, STANDING
+from edmd.state import BEGIN, COLLISIONS, COUNT, EVENT, EVENTS, FAINT, INSTANT, NEXT_EPOCH, NOW, PARTNER, STANDING
 from edmd.tolerances import EVENTS_AT_ONCE, FAINT_COLLISIONS, FOREVER, STALL_EVENTS
 
 ESCAPE = int(EventKind.ESCAPE)
@@ -34,19 +34,21 @@ def advance_events(world, until_time, until_collisions):
             return STALLED
         clock[NOW] = max(time, clock[NOW])
         tally[EVENTS] += 1
-        slot = int(calendar.slot[body])
+        slot, partner, touches = int(calendar.slot[body]), body, False
         if slot == ESCAPE:
             status = escape(world, body)
             if status != DONE:
                 return status
-        elif slot < lists.count[body] and lists.time[body, slot] == time:
-            pair, partner = lists.pair[body, slot], int(lists.partner[body, slot])
-            touches, rate = look(world, body, slot)
+        elif slot < lists.spans[body, COUNT] and lists.numbers[lists.spans[body, BEGIN] + slot, EVENT] == time:
+            entry = int(lists.spans[body, BEGIN]) + slot
+            touches, rate, n = look(world, body, entry)
             if touches:
-                collide(world, pair, rate)
-                for other in (body, partner):
-                    predict(world, other)
-                    set_escape(world, other)
-                reschedule(world, partner)
-        reschedule(world, body)
+                partner = int(lists.links[entry, PARTNER])
+                collide(world, body, partner, n, rate)
+        for turn in range(2 if touches else 1):
+            one = body if turn == 0 else partner
+            if touches:
+                predict(world, one)
+                set_escape(world, one)
+            reschedule(world, one)
     return PAUSED

@@ -5,17 +5,19 @@
 from math import inf, sqrt
 
 from ccd.compiling import kernel
-from ccd.first_contact import curvature
 from ccd.vectors import add_scaled, dot, load, scale, store, subtract
-from edmd.flight import advance_all
+from edmd.flight import advance_all, kind_of, turning
 from edmd.neighbors import DONE, rebuild, set_escape
 from edmd.prediction import predict, reschedule, size_now
-from edmd.rules.kinds import ELASTIC, KIND, ROUGH, set_contact_time
-from edmd.spin import own_spin, rotational_energy, symmetry_axis
+from edmd.rules.kinds import ELASTIC, KIND, set_contact_time
 from edmd.state import (
+    ACROSS,
     ANCHOR_POSITION,
-    BEND,
+    AXIS,
+    BEGIN,
     COLLISIONS,
+    COUNT,
+    DEGREES,
     DRIFT,
     ENERGY,
     ENERGY_BEGAN,
@@ -26,27 +28,35 @@ from edmd.state import (
     EPOCH_BEGAN,
     EPOCH_SPARED,
     ESCAPE_TIME,
-    FREE_PAIRS,
+    EVENT,
     GROWTH,
     HORIZON,
     INSTANT,
-    INVERSE_INERTIA,
     INVERSE_MASS,
+    INVERSE_MOMENTS,
     LARGEST,
+    MOMENTUM,
     NEXT_EPOCH,
     NOW,
     REACH_SIZE,
     REFINE,
-    SEMI_AXES,
+    SINCE,
     SIZE,
     SPARED,
     TIME,
-    TURNING,
     VECTORS,
     VELOCITY,
     VIRIAL,
 )
-from edmd.tolerances import DRIFTED, EPOCH_COLLISIONS, EPOCH_LEAST, GROWTH_HORIZON, INSTANT_SHARE, REFINE_BELOW
+from edmd.tolerances import (
+    DRIFTED,
+    EPOCH_COLLISIONS,
+    EPOCH_LEAST,
+    GROWTH_HORIZON,
+    HORIZON_FREE_TIMES,
+    INSTANT_SHARE,
+    REFINE_BELOW,
+)
 
 
 @kernel
@@ -54,9 +64,8 @@ def start_epoch(world):
     """Count every time, and every sum, from now on. The mean free time of the epoch that ends decides when planes are renewed."""
     clock, tally, n = world.clock, world.tally, len(world.bodies)
     now, collisions = clock[NOW], tally[COLLISIONS] - tally[EPOCH_BEGAN]
-    free = collisions - (tally[SPARED] - tally[EPOCH_SPARED])
-    if free > 0 and now > 0:
-        clock[REFINE] = REFINE_BELOW * now * n / (2.0 * free)
+    collisions -= tally[SPARED] - tally[EPOCH_SPARED]
+    free_time = now * n / (2.0 * collisions) if collisions > 0 else 0.0
     _close_the_books(world)
     tally[EPOCH_BEGAN], tally[EPOCH_SPARED] = tally[COLLISIONS], tally[SPARED]
     tally[NEXT_EPOCH] = tally[COLLISIONS] + max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
@@ -66,13 +75,28 @@ def start_epoch(world):
     for body in range(n):
         world.bodies[body, TIME] -= now
         world.contacts.last[body] -= now
-        if world.contacts.rule[KIND] == ROUGH:
-            world.contacts.phase[body] += now * own_spin(world.bodies[body], world.contacts.inverse_moments[body])
         world.anchors[body, ESCAPE_TIME] -= now
-        for slot in range(world.lists.count[body]):
-            world.lists.time[body, slot] -= now
+        begin = int(world.lists.spans[body, BEGIN])
+        for entry in range(begin, begin + int(world.lists.spans[body, COUNT])):
+            world.lists.numbers[entry, EVENT] -= now
+            world.lists.numbers[entry, SINCE] -= now
     for node in range(len(world.calendar.time)):
         world.calendar.time[node] -= now
+    if free_time > 0:
+        _pace(world, free_time)
+
+
+@kernel
+def _pace(world, free_time):
+    """Let the mean free time decide when planes are renewed, and how far ahead bounds look: where that changes they are made anew."""
+    clock = world.clock
+    clock[REFINE] = REFINE_BELOW * free_time
+    horizon = HORIZON_FREE_TIMES * free_time
+    if clock[GROWTH] != 0.0:
+        horizon = min(horizon, GROWTH_HORIZON * clock[SIZE] / abs(clock[GROWTH]))
+    if not 0.5 * clock[HORIZON] < horizon < 2.0 * clock[HORIZON]:
+        clock[HORIZON] = horizon
+        predict_all(world)
 
 
 @kernel
@@ -91,9 +115,9 @@ def mean_velocity(world):
     """Total mass, and velocity of its centre."""
     mass, momentum = 0.0, (0.0, 0.0, 0.0)
     for body in range(len(world.bodies)):
-        row = world.bodies[body]
-        mass += 1 / row[INVERSE_MASS]
-        momentum = add_scaled(momentum, 1 / row[INVERSE_MASS], load(row, VELOCITY))
+        of_body = 1 / world.kinds[kind_of(world, body)][INVERSE_MASS]
+        mass += of_body
+        momentum = add_scaled(momentum, of_body, load(world.bodies[body], VELOCITY))
     return mass, scale(1 / mass, momentum)
 
 
@@ -105,7 +129,7 @@ def _take_back_drift(world):
     drift = subtract(velocity, load(clock, DRIFT))
     if 0.5 * mass * dot(drift, drift) <= DRIFTED * clock[ENERGY]:
         return
-    advance_all(world.bodies, clock[NOW])
+    advance_all(world.bodies, world.kinds, clock[NOW])
     for body in range(len(world.bodies)):
         store(world.bodies[body], VELOCITY, subtract(load(world.bodies[body], VELOCITY), drift))
     predict_all(world)
@@ -116,8 +140,8 @@ def energy_counted(world):
     """What follows from a newly counted energy: the contact time in force, and an instant. Events of a collapsing gas crowd into less."""
     clock, longest = world.clock, 0.0
     mass, _ = mean_velocity(world)
-    for body in range(len(world.bodies)):
-        longest = max(longest, world.bodies[body, LARGEST] * size_now(clock))
+    for kind in range(len(world.kinds)):
+        longest = max(longest, world.kinds[kind, LARGEST] * size_now(clock))
     thermal_time = longest * sqrt(0.5 * mass / clock[ENERGY]) if clock[ENERGY] > 0 else 0.0
     clock[ENERGY_BEGAN] = clock[ENERGY]
     set_contact_time(world.contacts.rule, thermal_time)
@@ -125,48 +149,47 @@ def energy_counted(world):
 
 
 @kernel
-def active_turning(row):
-    """The part of the angular velocity that collisions change: for a body of revolution the part across its axis."""
-    turning, axis = load(row, TURNING), symmetry_axis(row)
-    if axis == 4:
+def active_momentum(row, kind):
+    """The part of the angular momentum that collisions change: of smooth bodies of revolution the part across the axis."""
+    momentum, axis = load(row, MOMENTUM), int(kind[AXIS])
+    if kind[DEGREES] == 0:
         return (0.0, 0.0, 0.0)
-    if axis == 3:
-        return turning
+    if kind[DEGREES] == 3:
+        return momentum
     along = load(row, VECTORS + 3 * axis)
-    return add_scaled(turning, -dot(turning, along) / dot(along, along), along)
+    return add_scaled(momentum, -dot(momentum, along) / dot(along, along), along)
 
 
 @kernel
 def kinetic_energy(world):
     """Energy of all motions that collisions exchange: not that of the common drift, nor of the spin of smooth bodies of revolution."""
-    contacts, energy = world.contacts, 0.0
+    energy = 0.0
     _, drift = mean_velocity(world)
     for body in range(len(world.bodies)):
-        row = world.bodies[body]
-        velocity = subtract(load(row, VELOCITY), drift)
-        energy += 0.5 * dot(velocity, velocity) / row[INVERSE_MASS]
-        if contacts.rule[KIND] == ROUGH:
-            energy += rotational_energy(row, contacts.inverse_moments[body])
-        elif row[INVERSE_INERTIA] > 0:
-            turning = active_turning(row)
-            energy += 0.5 * dot(turning, turning) / row[INVERSE_INERTIA]
+        row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
+        velocity, active = subtract(load(row, VELOCITY), drift), active_momentum(row, kind)
+        energy += 0.5 * (dot(velocity, velocity) / kind[INVERSE_MASS] + dot(active, turning(row, kind, active)))
     return energy
 
 
 @kernel
 def rescale(world, factor, inertia_factor):
-    """Multiply the exchanged velocities by a factor; moments of inertia by another, at unchanged energy. Predictions are made anew."""
-    advance_all(world.bodies, world.clock[NOW])
+    """Multiply the exchanged velocities by a factor; moments of inertia by another, at unchanged energy. Predictions are made anew.
+
+    The spin of a body of revolution about its axis stays, whatever its moment.
+    """
+    advance_all(world.bodies, world.kinds, world.clock[NOW])
     store(world.clock, DRIFT, scale(factor, load(world.clock, DRIFT)))
     for body in range(len(world.bodies)):
         row = world.bodies[body]
         store(row, VELOCITY, scale(factor, load(row, VELOCITY)))
-        row[INVERSE_INERTIA] /= inertia_factor
+        active = active_momentum(row, world.kinds[kind_of(world, body)])
+        spin = add_scaled(load(row, MOMENTUM), -1.0, active)
+        store(row, MOMENTUM, add_scaled(scale(inertia_factor, spin), factor * sqrt(inertia_factor), active))
+    for kind in range(len(world.kinds)):
+        world.kinds[kind, ACROSS] /= inertia_factor
         for k in range(3):
-            world.contacts.inverse_moments[body, k] /= inertia_factor
-        turning = load(row, TURNING) if world.contacts.rule[KIND] == ROUGH else active_turning(row)
-        store(row, TURNING, add_scaled(load(row, TURNING), factor / sqrt(inertia_factor) - 1, turning))
-        row[BEND] = curvature(load(row, SEMI_AXES), load(row, TURNING))
+            world.kinds[kind, INVERSE_MOMENTS + k] /= inertia_factor
     predict_all(world)
 
 
@@ -177,7 +200,7 @@ def predict_all(world):
     world.clock[ENERGY_SINCE] = world.clock[NOW]
     world.clock[ENERGY] = kinetic_energy(world)
     energy_counted(world)
-    advance_all(world.bodies, world.clock[NOW])
+    advance_all(world.bodies, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):
         predict(world, body)
         set_escape(world, body)
@@ -194,13 +217,9 @@ def reschedule_all(world):
 def rebuild_all(world):
     """Every list anew. -> DONE or why it could not be."""
     world.clock[REACH_SIZE] = 0.0
-    advance_all(world.bodies, world.clock[NOW])
-    rows = len(world.pairs.free)
-    world.tally[FREE_PAIRS] = rows
-    for k in range(rows):
-        world.pairs.free[k] = rows - 1 - k
+    advance_all(world.bodies, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):
-        world.lists.count[body] = 0
+        world.lists.spans[body, COUNT] = 0
         world.anchors[body, ANCHOR_POSITION] = inf
     for body in range(len(world.bodies)):
         status = rebuild(world, body)
@@ -215,7 +234,8 @@ def set_growth(world, growth):
     clock = world.clock
     clock[SIZE] = size_now(clock) - growth * clock[NOW]
     clock[GROWTH] = growth
-    clock[HORIZON] = GROWTH_HORIZON * size_now(clock) / abs(growth) if growth != 0 else 1e300
+    if growth != 0:
+        clock[HORIZON] = min(clock[HORIZON], GROWTH_HORIZON * size_now(clock) / abs(growth))
     status = rebuild_all(world)
     if status == DONE:
         predict_all(world)

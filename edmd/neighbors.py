@@ -8,76 +8,109 @@ can be touched before the escape. One body at a time is looked at again, and the
 from math import asin, floor, inf, sqrt
 
 from ccd.compiling import kernel
+from ccd.precession import NO_AXIS
 from ccd.separation import best_plane, normal, shape_matrix, support
 from ccd.tolerances import COARSE
 from ccd.vectors import dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced, fraction, image_of
 from edmd.events import Ended
-from edmd.flight import advance, load_quaternion, load_vectors
-from edmd.prediction import flight_now, hold, size_now, span_without_contact
+from edmd.flight import advance, fastest, kind_of, load_vectors
+from edmd.prediction import (
+    ball_now,
+    direction_of,
+    flight_now,
+    hold,
+    hold_until,
+    imaged,
+    is_sphere,
+    meeting_of_balls,
+    size_now,
+)
 from edmd.state import (
     ANCHOR_MARGIN,
-    ANCHOR_ORIENTATION,
     ANCHOR_POSITION,
     ANCHOR_RADIUS,
     ANCHOR_SIZE,
     ANCHOR_VECTORS,
-    BODY_A,
-    BODY_B,
+    AXIS,
+    BEGIN,
+    COUNT,
+    ENTRIES,
+    ENTRY_ROW,
     ESCAPE_TIME,
-    FREE_PAIRS,
     GROWTH,
     HORIZON,
+    IMAGE,
     LARGEST,
     MARGIN_LENGTH,
-    NORMAL,
     NOW,
-    ORIENTATION,
-    PENCIL,
+    PARTNER,
     POSITION,
     REACH,
     REACH_SIZE,
     REBUILDS,
-    SHIFT,
-    SLOT_A,
+    ROOM,
+    SEMI_AXES,
+    SIDE,
     SPREAD,
-    TURNING,
+    TWIN,
     VECTORS,
     VELOCITY,
 )
-from edmd.tolerances import REBUILD_BEYOND, SAFE, SURELY_NEAR
+from edmd.tolerances import MORE_ROOM, REBUILD_BEYOND, SAFE, SURELY_NEAR
 
 DONE, LIST_FULL, CELL_TOO_SMALL = -1, int(Ended.LIST_FULL), int(Ended.CELL_TOO_SMALL)
 
 
 @kernel
-def displacement(row, anchor, size):
+def turned(row, kind, anchor):
+    """The angle by which a shape has turned since its anchor: for a body of revolution that of its axis."""
+    over, axis = 1.0 / anchor[ANCHOR_SIZE], int(kind[AXIS])
+    square = 0.0
+    for k in range(3):
+        if k == axis or axis == NO_AXIS:
+            moved = subtract(load(row, VECTORS + 3 * k), scale(over, load(anchor, ANCHOR_VECTORS + 3 * k)))
+            square += dot(moved, moved) / (kind[SEMI_AXES + k] * kind[SEMI_AXES + k])
+    chord = sqrt(0.5 * square if axis == NO_AXIS else square)
+    return 2 * asin(min(0.5 * chord, 1.0))
+
+
+@kernel
+def displacement(row, kind, anchor, size):
     """How far any support value can have come from its anchor's, eq. (6): path, turning and growth. inf for a body never anchored."""
-    q, p = load_quaternion(row, ORIENTATION), load_quaternion(anchor, ANCHOR_ORIENTATION)
-    cosine = q[0] * p[0] + q[1] * p[1] + q[2] * p[2] + q[3] * p[3]
-    angle = 2 * asin(min(1.0, sqrt(max(0.0, 1 - cosine * cosine))))
     path = norm(subtract(load(row, POSITION), load(anchor, ANCHOR_POSITION)))
-    return path + angle * row[SPREAD] * max(size, anchor[ANCHOR_SIZE]) + abs(size - anchor[ANCHOR_SIZE]) * row[LARGEST]
+    if kind[SPREAD] > 0.0:
+        path += turned(row, kind, anchor) * kind[SPREAD] * max(size, anchor[ANCHOR_SIZE])
+    return path + abs(size - anchor[ANCHOR_SIZE]) * kind[LARGEST]
+
+
+@kernel
+def speed_of_surface(row, kind, size):
+    """How fast a support value can change at most, growth apart, by (6)."""
+    speed = norm(load(row, VELOCITY))
+    return speed + fastest(row, kind) * kind[SPREAD] * size if kind[SPREAD] > 0.0 else speed
 
 
 @kernel
 def set_escape(world, body):
     """The time until which an up-to-date body certainly stays within its margin."""
-    row, anchor, clock = world.bodies[body], world.anchors[body], world.clock
+    row, kind, anchor, clock = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], world.clock
     size = size_now(clock)
-    left = SAFE * anchor[ANCHOR_MARGIN] - displacement(row, anchor, size)
-    turning = norm(load(row, TURNING)) * row[SPREAD] * (size + abs(clock[GROWTH]) * clock[HORIZON])
-    speed = norm(load(row, VELOCITY)) + turning + abs(clock[GROWTH]) * row[LARGEST]
-    span = max(left, 0.0) / speed if speed > 0 else inf
-    anchor[ESCAPE_TIME] = clock[NOW] + min(span, clock[HORIZON])
+    left = SAFE * anchor[ANCHOR_MARGIN] - displacement(row, kind, anchor, size)
+    if clock[GROWTH] == 0.0:
+        speed, longest = speed_of_surface(row, kind, size), inf
+    else:
+        longest = clock[HORIZON]
+        speed = speed_of_surface(row, kind, size + abs(clock[GROWTH]) * longest) + abs(clock[GROWTH]) * kind[LARGEST]
+    anchor[ESCAPE_TIME] = clock[NOW] + min(max(left, 0.0) / speed if speed > 0 else inf, longest)
 
 
 @kernel
 def escape(world, body):
     """The body may have left its margin: extend its time, or make its list anew. -> DONE, LIST_FULL or CELL_TOO_SMALL."""
-    row, anchor = world.bodies[body], world.anchors[body]
-    advance(row, world.clock[NOW])
-    if displacement(row, anchor, size_now(world.clock)) > REBUILD_BEYOND * anchor[ANCHOR_MARGIN]:
+    row, kind, anchor = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body]
+    advance(row, kind, world.clock[NOW])
+    if displacement(row, kind, anchor, size_now(world.clock)) > REBUILD_BEYOND * anchor[ANCHOR_MARGIN]:
         status = rebuild(world, body)
         if status != DONE:
             return status
@@ -90,9 +123,10 @@ def rebuild(world, body):
     """Anchor the body where it is now and make its list: drop the pairs that have come apart, find the new ones."""
     world.tally[REBUILDS] += 1
     _anchor(world, body)
-    for slot in range(world.lists.count[body] - 1, -1, -1):
-        if not _near(world, world.lists.pair[body, slot], True):
-            _remove(world, world.lists.pair[body, slot])
+    begin = int(world.lists.spans[body, BEGIN])
+    for slot in range(int(world.lists.spans[body, COUNT]) - 1, -1, -1):
+        if not _still_near(world, body, begin + slot):
+            _remove(world, body, slot)
     status = _search(world, body)
     if status != DONE:
         world.anchors[body, ANCHOR_POSITION] = inf        # the list is not complete: the next escape makes it again
@@ -101,31 +135,37 @@ def rebuild(world, body):
 
 @kernel
 def _anchor(world, body):
-    """Wrap the body into the cell and store its pose, size and margin; move it to its grid cell."""
-    row, anchor, grid, pairs = world.bodies[body], world.anchors[body], world.grid, world.pairs
+    """Store the pose, size and margin of a body, which is first wrapped into the cell; move it to its grid cell."""
+    row, kind, anchor, grid = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], world.grid
     a, b, c = image_of(load(row, POSITION), grid.inverse)
     if a != 0 or b != 0 or c != 0:
-        store(row, POSITION, displaced(load(row, POSITION), grid.box, -a, -b, -c))
-        world.image[body, 0] += a
-        world.image[body, 1] += b
-        world.image[body, 2] += c
-        for slot in range(world.lists.count[body]):
-            link = pairs.link[world.lists.pair[body, slot]]
-            sign = -1 if link[BODY_A] == body else 1
-            link[SHIFT] += sign * a
-            link[SHIFT + 1] += sign * b
-            link[SHIFT + 2] += sign * c
+        _wrap(world, body, (a, b, c))
     size = size_now(world.clock)
     store(anchor, ANCHOR_POSITION, load(row, POSITION))
     for k in range(9):
         anchor[ANCHOR_VECTORS + k] = size * row[VECTORS + k]
-    for k in range(4):
-        anchor[ANCHOR_ORIENTATION + k] = row[ORIENTATION + k]
     anchor[ANCHOR_SIZE] = size
-    anchor[ANCHOR_MARGIN] = size * row[MARGIN_LENGTH]
-    anchor[ANCHOR_RADIUS] = size * (row[LARGEST] + row[MARGIN_LENGTH])
+    anchor[ANCHOR_MARGIN] = size * kind[MARGIN_LENGTH]
+    anchor[ANCHOR_RADIUS] = size * (kind[LARGEST] + kind[MARGIN_LENGTH])
     world.clock[REACH_SIZE] = max(size, world.clock[REACH_SIZE])
     _place(grid, body, load(row, POSITION))
+
+
+@kernel
+def _wrap(world, body, image):
+    """Move a body back by so many cell vectors; its neighbours stand in other images then, and their sides of the gaps with them."""
+    row, lists, box = world.bodies[body], world.lists, world.grid.box
+    store(row, POSITION, displaced(load(row, POSITION), box, -image[0], -image[1], -image[2]))
+    begin = int(lists.spans[body, BEGIN])
+    for k in range(3):
+        world.image[body, k] += image[k]
+    back = displaced((0.0, 0.0, 0.0), box, -image[0], -image[1], -image[2])
+    for entry in range(begin, begin + int(lists.spans[body, COUNT])):
+        twin = lists.links[entry, TWIN]
+        lists.numbers[entry, SIDE] += dot(direction_of(lists, entry), back)
+        for k in range(3):
+            lists.images[entry, IMAGE + k] -= image[k]
+            lists.images[twin, IMAGE + k] += image[k]
 
 
 @kernel
@@ -157,32 +197,43 @@ def grid_cell(grid, position):
 
 
 @kernel
-def _near(world, pair, known):
-    """Whether the gap between two anchors is below the sum of their margins, as far as the best plane tells.
+def _still_near(world, body, entry):
+    """Whether the gap between the anchors of two neighbours is below the sum of their margins: their last plane settles the very near."""
+    a, b = world.anchors[body], world.anchors[world.lists.links[entry, PARTNER]]
+    r = imaged(world, entry, subtract(load(b, ANCHOR_POSITION), load(a, ANCHOR_POSITION)))
+    margins = a[ANCHOR_MARGIN] + b[ANCHOR_MARGIN]
+    if is_sphere(world, body) and is_sphere(world, int(world.lists.links[entry, PARTNER])):
+        within = a[ANCHOR_RADIUS] + b[ANCHOR_RADIUS]
+        return dot(r, r) < within * within
+    s_a, s_b = load_vectors(a, ANCHOR_VECTORS), load_vectors(b, ANCHOR_VECTORS)
+    n = direction_of(world.lists, entry)
+    h_a, h_b = support(s_a, n), support(s_b, n)
+    if dot(n, r) - h_a - h_b < SURELY_NEAR * margins:
+        return True
+    n, _, _ = best_plane(s_a, s_b, r, h_a / (h_a + h_b), COARSE)
+    return _plane_gap(n, r, s_a, s_b) < margins
 
-    Cheap planes come first: of a known pair its last one, which settles the very near, of a new one those across the line of centres and of
-    two spheres, which settle the far. The plane that decides is kept.
+
+@kernel
+def _near(world, body, other, r):
+    """Whether the gap between two anchors, r apart and within reach, is below the sum of their margins, and the plane that tells.
+
+    Cheap planes come first: those across the line of centres and of two spheres settle the far.
     """
-    link, plane = world.pairs.link[pair], world.pairs.plane[pair]
-    a, b = world.anchors[link[BODY_A]], world.anchors[link[BODY_B]]
-    apart = subtract(load(b, ANCHOR_POSITION), load(a, ANCHOR_POSITION))
-    r = displaced(apart, world.grid.box, link[SHIFT], link[SHIFT + 1], link[SHIFT + 2])
+    a, b = world.anchors[body], world.anchors[other]
+    n = scale(1.0 / norm(r), r)
+    if is_sphere(world, body) and is_sphere(world, other):
+        return True, n
     s_a, s_b = load_vectors(a, ANCHOR_VECTORS), load_vectors(b, ANCHOR_VECTORS)
     margins = a[ANCHOR_MARGIN] + b[ANCHOR_MARGIN]
-    if known:
-        n = load(plane, NORMAL)
-        if _plane_gap(n, r, s_a, s_b) < SURELY_NEAR * margins:
-            return True
-    else:
-        if _plane_gap(scale(1.0 / norm(r), r), r, s_a, s_b) >= margins:
-            return False
-        plane[PENCIL] = a[ANCHOR_MARGIN] / margins
-        n = normal(shape_matrix(s_a), shape_matrix(s_b), r, plane[PENCIL])
-        if _plane_gap(n, r, s_a, s_b) >= margins:
-            return False
-    n, plane[PENCIL], _ = best_plane(s_a, s_b, r, plane[PENCIL], COARSE)
-    store(plane, NORMAL, n)
-    return _plane_gap(n, r, s_a, s_b) < margins
+    if _plane_gap(n, r, s_a, s_b) >= margins:
+        return False, n
+    start = a[ANCHOR_MARGIN] / margins
+    n = normal(shape_matrix(s_a), shape_matrix(s_b), r, start)
+    if _plane_gap(n, r, s_a, s_b) >= margins:
+        return False, n
+    n, _, _ = best_plane(s_a, s_b, r, start, COARSE)
+    return _plane_gap(n, r, s_a, s_b) < margins, n
 
 
 @kernel
@@ -191,14 +242,25 @@ def _plane_gap(n, r, s_a, s_b):
 
 
 @kernel
-def _listed(world, body, other, shift):
-    """Whether the pair of the body with this image of the other is in its list."""
-    lists = world.lists
-    for slot in range(lists.count[body]):
-        if lists.partner[body, slot] == other:
-            link = world.pairs.link[lists.pair[body, slot]]
-            sign = 1 if link[BODY_A] == body else -1
-            if link[SHIFT] == sign * shift[0] and link[SHIFT + 1] == sign * shift[1] and link[SHIFT + 2] == sign * shift[2]:
+def _mark_listed(world, body):
+    """Let every neighbour on the list be known as seen by this rebuild."""
+    lists, begin = world.lists, int(world.lists.spans[body, BEGIN])
+    for entry in range(begin, begin + int(lists.spans[body, COUNT])):
+        lists.seen[lists.links[entry, PARTNER]] = world.tally[REBUILDS]
+
+
+@kernel
+def _listed(world, body, other, shift, one_image):
+    """Whether this image of another body is on the list; one_image: no other can be near."""
+    lists, begin = world.lists, int(world.lists.spans[body, BEGIN])
+    if lists.seen[other] != world.tally[REBUILDS]:
+        return False
+    if one_image:
+        return True
+    for entry in range(begin, begin + int(lists.spans[body, COUNT])):
+        if lists.links[entry, PARTNER] == other:
+            image = lists.images[entry]
+            if image[IMAGE] == shift[0] and image[IMAGE + 1] == shift[1] and image[IMAGE + 2] == shift[2]:
                 return True
     return False
 
@@ -207,9 +269,11 @@ def _listed(world, body, other, shift):
 def _search(world, body):
     """Look through the grid cells within reach, each image once, for neighbours that are not listed yet."""
     grid, anchor = world.grid, world.anchors[body]
+    _mark_listed(world, body)
     reach = anchor[ANCHOR_RADIUS] + world.clock[REACH] * world.clock[REACH_SIZE]
     f = fraction(load(anchor, ANCHOR_POSITION), grid.inverse)
     left = reach * reach / grid.heights[3]
+    one_image = min(grid.heights[0], grid.heights[1], grid.heights[2]) > 2 * reach
     for i in _layers(grid, 0, f[0], left):
         ci, shift_i = _wrapped(i, grid.shape[0])
         left_i = left - _beside(grid, 0, f[0], i)
@@ -217,7 +281,8 @@ def _search(world, body):
             cj, shift_j = _wrapped(j, grid.shape[1])
             for k in _layers(grid, 2, f[2], left_i - _beside(grid, 1, f[1], j)):
                 ck, shift_k = _wrapped(k, grid.shape[2])
-                status = _search_cell(world, body, (ci * grid.shape[1] + cj) * grid.shape[2] + ck, (shift_i, shift_j, shift_k))
+                cell = (ci * grid.shape[1] + cj) * grid.shape[2] + ck
+                status = _search_cell(world, body, cell, (shift_i, shift_j, shift_k), one_image)
                 if status != DONE:
                     return status
     return DONE
@@ -253,7 +318,7 @@ def _beside(grid, side, f, cell):
 
 
 @kernel
-def _search_cell(world, body, cell, shift):
+def _search_cell(world, body, cell, shift, one_image):
     anchors = world.anchors
     image = displaced((0.0, 0.0, 0.0), world.grid.box, shift[0], shift[1], shift[2])
     here = subtract(load(anchors[body], ANCHOR_POSITION), image)
@@ -263,61 +328,82 @@ def _search_cell(world, body, cell, shift):
         within = anchors[body, ANCHOR_RADIUS] + anchors[other, ANCHOR_RADIUS]
         if dot(r, r) < within * within:
             itself = other == body and shift[0] == 0 and shift[1] == 0 and shift[2] == 0
-            if not itself and not _listed(world, body, other, shift):
-                status = _consider(world, body, other, shift)
-                if status != DONE:
-                    return status
+            if not itself and not _listed(world, body, other, shift, one_image):
+                near, n = _near(world, body, other, r)
+                if near:
+                    if other == body:
+                        return CELL_TOO_SMALL
+                    if not (_has_room(world, body) and _has_room(world, other)):
+                        return LIST_FULL
+                    _add(world, body, other, shift, n)
         other = int(world.grid.following[other])
     return DONE
 
 
 @kernel
-def _consider(world, body, other, shift):
-    """Add the pair if its anchors are near. The new row is written first and taken for good only then."""
-    lists, pairs, tally = world.lists, world.pairs, world.tally
-    if tally[FREE_PAIRS] == 0:
-        return LIST_FULL
-    pair = pairs.free[tally[FREE_PAIRS] - 1]
-    link = pairs.link[pair]
-    link[BODY_A], link[BODY_B] = body, other
-    link[SHIFT], link[SHIFT + 1], link[SHIFT + 2] = shift
-    if not _near(world, pair, False):
-        return DONE
-    if body == other:
-        return CELL_TOO_SMALL
-    slot_a, slot_b = lists.count[body], lists.count[other]
-    if max(slot_a, slot_b) == lists.pair.shape[1]:
-        return LIST_FULL
-    tally[FREE_PAIRS] -= 1
-    link[SLOT_A], link[SLOT_A + 1] = slot_a, slot_b
-    lists.count[body] += 1
-    lists.count[other] += 1
-    lists.pair[body, slot_a] = lists.pair[other, slot_b] = pair
-    lists.partner[body, slot_a], lists.partner[other, slot_b] = other, body
-    hold(world, body, slot_a, world.clock[NOW] + span_without_contact(world, flight_now(world.bodies[body], world.clock), body, slot_a))
-    return DONE
+def _has_room(world, body):
+    """Whether the list can take one more; a full one is moved to the end of the entries, with more room, if there is some."""
+    lists, tally = world.lists, world.tally
+    span = lists.spans[body]
+    if span[COUNT] < span[ROOM]:
+        return True
+    begin, room = int(tally[ENTRIES]), int(span[ROOM]) + max(MORE_ROOM, int(span[ROOM]) // 4)
+    if begin + room > len(lists.numbers):
+        return False
+    for slot in range(int(span[COUNT])):
+        _move(lists, int(span[BEGIN]) + slot, begin + slot)
+    span[BEGIN], span[ROOM] = begin, room
+    tally[ENTRIES] += room
+    return True
 
 
 @kernel
-def _remove(world, pair):
-    link = world.pairs.link[pair]
-    _vacate(world, link[BODY_A], link[SLOT_A])
-    _vacate(world, link[BODY_B], link[SLOT_A + 1])
-    world.pairs.free[world.tally[FREE_PAIRS]] = pair
-    world.tally[FREE_PAIRS] += 1
+def _move(lists, source, target):
+    """Put an entry into another row: its twin follows."""
+    for k in range(ENTRY_ROW):
+        lists.numbers[target, k] = lists.numbers[source, k]
+    lists.links[lists.links[target, TWIN], TWIN] = target
 
 
 @kernel
-def _vacate(world, body, slot):
-    """Take a slot out of a list: the last one moves there."""
+def _add(world, body, other, shift, n):
+    """A new pair, in both lists, with its first prediction."""
     lists = world.lists
-    last = lists.count[body] - 1
-    lists.count[body] = last
-    if slot == last:
-        return
-    moved = lists.pair[body, last]
-    lists.pair[body, slot] = moved
-    lists.partner[body, slot] = lists.partner[body, last]
-    lists.time[body, slot] = lists.time[body, last]
-    link = world.pairs.link[moved]
-    link[SLOT_A if link[BODY_A] == body else SLOT_A + 1] = slot
+    entry, twin = _next(lists, body), _next(lists, other)
+    lists.links[entry, PARTNER], lists.links[entry, TWIN] = other, twin
+    lists.links[twin, PARTNER], lists.links[twin, TWIN] = body, entry
+    lists.links[entry, IMAGE // 4] = lists.links[twin, IMAGE // 4] = 0
+    for k in range(3):
+        lists.images[entry, IMAGE + k] = shift[k]
+        lists.images[twin, IMAGE + k] = -shift[k]
+    if is_sphere(world, body) and is_sphere(world, other):
+        span, _, _, _ = meeting_of_balls(world, entry, ball_now(world, body), ball_now(world, other))
+    else:
+        span = hold(world, entry, flight_now(world, body), flight_now(world, other), n)
+    hold_until(world, entry, world.clock[NOW] + span)
+
+
+@kernel
+def _next(lists, body):
+    span = lists.spans[body]
+    span[COUNT] += 1
+    return int(span[BEGIN]) + int(span[COUNT]) - 1
+
+
+@kernel
+def _remove(world, body, slot):
+    lists = world.lists
+    entry = int(lists.spans[body, BEGIN]) + slot
+    partner, twin = int(lists.links[entry, PARTNER]), int(lists.links[entry, TWIN])
+    _vacate(lists, body, entry)
+    _vacate(lists, partner, twin)
+
+
+@kernel
+def _vacate(lists, body, entry):
+    """Take an entry out of a list: the last one moves there."""
+    span = lists.spans[body]
+    span[COUNT] -= 1
+    last = int(span[BEGIN]) + int(span[COUNT])
+    if entry != last:
+        _move(lists, last, entry)

@@ -20,7 +20,7 @@ from edmd import building, epoch, state
 from edmd.averages import Interval, Means
 from edmd.engine import advance_events
 from edmd.events import Ended
-from edmd.inertia import axis_directions, degrees_of_freedom, shape_turning
+from edmd.inertia import angular_velocities, degrees_of_freedom, own_spin
 from edmd.observers import View, reached
 from edmd.ordering import spatial_order
 from edmd.outputs import check_output
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from edmd.observers import Observer
 
 STALL_PATH = "edmd.stalled.npz"
-FORMAT = 3                  # of what `save` writes
+FORMAT = 4                  # of what `save` writes
 FASTEST = 2.0               # speed of a growing surface, in thermal speeds, beyond which compression has no physics
 GIVE_UP = 1e10              # reduced pressure at which a compression to a packing fraction ends in vain
 JAMMED = 1e12               # reduced pressure beyond which float64 cannot resolve the gaps
@@ -76,7 +76,7 @@ class Simulation:
         self._system = system.copy()
         self._order = spatial_order(system.positions, system.box)          # of the bodies in the world
         self._world = building.build_world(system.subset(self._order), self.rule)
-        self._spin = shape_turning(system, self._rough)[2]
+        self._spin = np.zeros(system.n) if self._rough else own_spin(system)
         self._grown_inertia = 1.0
         self._done = self._before = self._last = Interval()
         self.course: Course | None = None
@@ -149,12 +149,11 @@ class Simulation:
         """The System of now, positions in the cell, and the images (n, 3) they belong to: unwrapped = positions + images @ box."""
         rows, images = building.synchronised_rows(self._world, np.argsort(self._order))
         like = self._system
-        spun = self._spin * self.time
-        spun[np.arange(self.n), axis_directions(like)[0]] += rows.phase
-        system = System(rows.positions, products(rows.orientations, rotations(spun)), like.semi_axes * self.size, like.box, rows.velocities,
+        spun = rotations(np.eye(3)[np.minimum(symmetry_axes(like.semi_axes), 2)] * (self._spin * self.time)[:, None])
+        system = System(rows.positions, products(rows.orientations, spun), like.semi_axes * self.size, like.box, rows.velocities,
                         None, like.masses, like.inertia, like.species)
-        system.angular_velocities = rows.turning + rows.spin[:, None] * axis_directions(system)[1] + to_lab(system.orientations, self._spin)
         system.moments = like.moments * self._grown_inertia
+        system.angular_velocities = angular_velocities(system.orientations, rows.momenta, system.moments)
         if not isinstance(like.inertia, str):
             system.inertia = system.moments
         return system, images

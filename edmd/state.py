@@ -8,54 +8,60 @@ from typing import NamedTuple
 
 import numpy as np
 
-# bodies: one row of 32 numbers (four cache lines) a body
-POSITION, VELOCITY, TURNING, VECTORS = 0, 3, 6, 9        # TURNING: angular velocity at which the shape turns; VECTORS: semi-axis vectors
-TIME, BEND = 18, 19                                      # BEND: bound on the curvature of the support function in time, eq. (7)
-ORIENTATION, SEMI_AXES = 20, 24
-INVERSE_MASS, INVERSE_INERTIA, SPREAD, LARGEST, MARGIN_LENGTH = 27, 28, 29, 30, 31
-BODY_ROW = 32
+# bodies: three cache lines a body, the first of which is all that a sphere needs. MOMENTUM: angular, constant in flight; VECTORS: semi-axes
+POSITION, VELOCITY, TIME, KIND = 0, 3, 6, 7
+VECTORS, MOMENTUM, ORIENTATION = 8, 17, 20
+BODY_ROW = 24
 
-# anchors: where a body was, at which size, when its list was made
-# (the first cache line, of eight numbers, is all that the search for neighbours needs of a body that is too far)
-ANCHOR_POSITION, ANCHOR_RADIUS, ANCHOR_MARGIN, ANCHOR_SIZE, ESCAPE_TIME = 0, 3, 4, 5, 6
-ANCHOR_VECTORS, ANCHOR_ORIENTATION = 8, 17
-ANCHOR_ROW = 24
+# kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; ACROSS: the
+# inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
+# UNEQUAL: largest difference of two moments over the third; DEGREES: of rotation that collisions exchange, 0, 2 or 3
+SEMI_AXES, INVERSE_MASS, INVERSE_MOMENTS, AXIS, ACROSS, SPREAD, LARGEST, BENDING, MARGIN_LENGTH = 0, 3, 4, 7, 8, 9, 10, 11, 12
+MOTION, UNEQUAL, DEGREES = 13, 14, 15
+KIND_ROW = 16
 
-# pairs: one cache line a pair, which both arrays name. link: the two bodies, their slots in each other's lists, the periodic image of the
-# second, as integers in the first half of the line; plane: normal and lambda in the other half.
-BODY_A, BODY_B, SLOT_A, SLOT_B, SHIFT = 0, 1, 2, 3, 4
-NORMAL, PENCIL = 4, 7
-PAIR_ROW = 8
+# motions: how a shape moves in free flight: not at all, at the constant rate L / I_perp (eq. (12)), or as a free top (eq. (12b))
+STILL, STEADY, FREE = 0, 1, 2
+
+# anchors: where a body was, at which size, when its list was made; the search for neighbours needs the first half only of a body too far
+ANCHOR_POSITION, ANCHOR_RADIUS, ANCHOR_MARGIN, ANCHOR_SIZE, ESCAPE_TIME, ANCHOR_VECTORS = 0, 3, 4, 5, 6, 7
+ANCHOR_ROW = 16
+
+# entries of the neighbour lists: one cache line for each neighbour of each body, which four arrays of different types show.
+# numbers: the partner's side of the gap (prediction.py) as it was at SINCE, and the pair's EVENT time; directions: NORMAL, towards the
+# partner; images: the partner is this many cell vectors away from where it is stored; links: the partner, and the pair's entry in its list
+SIDE, SIDE_RATE, SIDE_BEND, SINCE, EVENT = 2, 3, 4, 5, 6
+NORMAL, IMAGE, PARTNER, TWIN = 0, 12, 14, 15
+ENTRY_ROW = 8
+
+# spans of the lists among the entries
+BEGIN, COUNT, ROOM = 0, 1, 2
+SPAN_ROW = 4
 
 # clock: NOW and every time in the world count from EPOCH. REACH: longest semi-axis plus margin of all bodies at size 1; REACH_SIZE: the
 # largest size of an anchor. REFINE: a time, see tolerances. ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral
 # up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions. ENERGY_ERROR: sum over the epochs of
 # the amounts by which ENERGY, as the collisions account for it, had come off what it is, in units of what it was when it was last counted,
-# ENERGY_BEGAN. INSTANT: a span that is no progress. DRIFT: common velocity of all bodies, three numbers.
+# ENERGY_BEGAN. INSTANT: a span that is no progress. ROUNDING: of a position in the cell. DRIFT: common velocity of all bodies, (3,)
 (NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE, ENERGY_ERROR, ENERGY_BEGAN,
- INSTANT, DRIFT) = range(16)
+ INSTANT, ROUNDING, DRIFT) = range(17)
 CLOCK_ROW = 24
 
-# tally
-# SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this epoch). FAINT: weight of the last collisions in a row that
-# were too faint to be told from rounding, the last of them of the row FAINT_PAIR of pairs
-COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, FREE_PAIRS, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR = range(12)
+# tally. ENTRIES: how many rows of the entries are taken. SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this
+# epoch). FAINT: weight of the last collisions in a row that were too faint to be told from rounding, the last of them of the FAINT_PAIR
+COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR = range(12)
 TALLY_ROW = 16
 
 
 class Lists(NamedTuple):
     """Neighbour lists. A pair's earliest possible contact stands in the list of the body that predicted it last, inf in the other."""
 
-    count: np.ndarray       # int32 (n,)
-    partner: np.ndarray     # int32 (n, room)
-    pair: np.ndarray        # int32 (n, room)
-    time: np.ndarray        # float64 (n, room)
-
-
-class Pairs(NamedTuple):
-    plane: np.ndarray       # float64 (pairs, PAIR_ROW)
-    link: np.ndarray        # int32 (pairs, 2 PAIR_ROW), a view of plane
-    free: np.ndarray        # int32 (pairs,): stack of unused rows
+    spans: np.ndarray       # int32 (n, SPAN_ROW)
+    numbers: np.ndarray     # float64 (entries, 8)
+    directions: np.ndarray  # float32 (entries, 16), the same memory
+    links: np.ndarray       # int32 (entries, 16), the same memory
+    images: np.ndarray      # int8 (entries, 64), the same memory
+    seen: np.ndarray        # int64 (n,): the rebuild that saw a body last
 
 
 class Grid(NamedTuple):
@@ -81,20 +87,19 @@ class Calendar(NamedTuple):
 class Contacts(NamedTuple):
     """What the rule of the collisions needs; all but its row only where it says so."""
 
-    rule: np.ndarray                # float64 (RULE_ROW,), see edmd/rules/kinds.py
-    last: np.ndarray                # float64 (n,): time of a body's last collision, -inf before; kept with a contact time
-    inverse_moments: np.ndarray     # float64 (n, 3), principal; of rough bodies
-    phase: np.ndarray               # float64 (n,): angle about the axis by which a rough body is ahead of its shape, at the epoch
+    rule: np.ndarray        # float64 (RULE_ROW,), see edmd/rules/kinds.py
+    last: np.ndarray        # float64 (n,): time of a body's last collision, -inf before; kept with a contact time
 
 
 class World(NamedTuple):
     bodies: np.ndarray      # float64 (n, BODY_ROW)
+    kinds: np.ndarray       # float64 (kinds, KIND_ROW)
     image: np.ndarray       # int32 (n, 3)
     anchors: np.ndarray     # float64 (n, ANCHOR_ROW)
     lists: Lists
-    pairs: Pairs
     grid: Grid
     calendar: Calendar
     clock: np.ndarray       # float64 (CLOCK_ROW,)
     tally: np.ndarray       # int64 (TALLY_ROW,)
     contacts: Contacts
+    columns: np.ndarray     # float64: where `prediction.predict` works, nothing to keep

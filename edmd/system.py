@@ -25,10 +25,9 @@ class System:
     row a species; box: edge length, (3,) edges, or (3, 3) with the cell vectors as rows, lower triangular (`edmd.from_ase` turns any
     other cell). velocities, angular_velocities (n, 3), in the lab frame, default to rest. masses: one number or (n,).
 
-    inertia: "solid" (uniform density), "sphere" (isotropic, of the sphere of equal volume and mass), or principal moments (3,) or (n, 3).
-    A body of revolution then precesses exactly. The free rotation of a body with three different principal moments is not built yet:
-    a solid body with three different axes turns with the isotropic inertia of equal mean, m (a^2 + b^2 + c^2) 2 / 15, and three
-    different moments given by hand are refused. Structure, packing fraction and pressure in equilibrium do not depend on inertia.
+    inertia: "solid" (uniform density), "sphere" (isotropic, of the sphere of equal volume and mass), or any principal moments (3,) or
+    (n, 3), about the semi-axes. Free bodies turn exactly with them. Structure, packing fraction and pressure in equilibrium do not depend
+    on inertia.
     species (n,): integers that label the bodies.
     """
 

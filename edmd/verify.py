@@ -5,12 +5,14 @@ Cost grows as the number of close pairs times 30 microseconds: for tests and for
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.spatial.transform import Rotation
 
 from ccd import Ellipsoid, Status, batch, separation
 from ccd.culling import close_pairs
 from edmd import state
 from edmd.epoch import kinetic_energy
 from edmd.flight import advance_all
+from edmd.inertia import angular_velocities
 
 DEPTH = 1e-11           # relative depth up to which a touching pair may read as overlapping
 ENERGY_ERROR = 1e-10    # relative
@@ -42,25 +44,38 @@ def check_overlaps(system):
         assert f[worst] >= 1 - 2 * DEPTH, f"bodies {first[worst]} and {second[worst]} overlap: contact function {f[worst]!r}"
 
 
-def _pairs_in_use(world):
-    """Row of the pair table, body, slot for every entry of every list."""
-    count = world.lists.count
-    body = np.repeat(np.arange(len(count)), count)
-    slot = np.concatenate([np.arange(c) for c in count]) if len(count) else np.empty(0, dtype=int)
-    return world.lists.pair[body, slot], body, slot
+def _entries_in_use(world):
+    """Entry and body for every neighbour of every list."""
+    spans = world.lists.spans
+    count = spans[:, state.COUNT]
+    body = np.repeat(np.arange(len(spans)), count)
+    slot = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    return spans[body, state.BEGIN] + slot, body
 
 
 def _check_links(world):
-    pair, body, slot = _pairs_in_use(world)
-    link = world.pairs.link[pair]
-    is_a = (link[:, state.BODY_A] == body) & (link[:, state.SLOT_A] == slot)
-    is_b = (link[:, state.BODY_B] == body) & (link[:, state.SLOT_B] == slot)
-    assert (is_a | is_b).all(), "a list entry and its pair do not point at each other"
-    rows, times = np.unique(pair, return_counts=True)
-    assert (times == 2).all(), "a pair is not in exactly two lists"
-    assert len(rows) + world.tally[state.FREE_PAIRS] == len(world.pairs.link), "a row of the pair table is lost"
-    held = np.isfinite(world.lists.time[body, slot])
-    assert (np.bincount(pair[held], minlength=len(world.pairs.link))[rows] <= 1).all(), "both bodies hold the prediction of a pair"
+    entry, body = _entries_in_use(world)
+    lists, spans = world.lists, world.lists.spans
+    assert (spans[:, state.COUNT] <= spans[:, state.ROOM]).all(), "a list is longer than its room"
+    begin = spans[np.argsort(spans[:, state.BEGIN], kind="stable")]
+    ends = begin[:, state.BEGIN] + begin[:, state.ROOM]
+    assert (ends[:-1] <= begin[1:, state.BEGIN]).all(), "lists overlap"
+    assert ends[-1] <= world.tally[state.ENTRIES] <= len(lists.numbers), "lists reach beyond their room"
+    owner = np.full(len(lists.numbers), -1)
+    owner[entry] = body
+    twin, partner = lists.links[entry, state.TWIN], lists.links[entry, state.PARTNER]
+    assert (owner[twin] == partner).all(), "a list entry and its twin do not point at each other"
+    assert (lists.links[twin, state.TWIN] == entry).all(), "a list entry and its twin do not point at each other"
+    assert (_images(world, twin) == -_images(world, entry)).all(), "the two bodies of a pair see different images"
+    held = np.isfinite(lists.numbers[:, state.EVENT])
+    assert not (held[entry] & held[twin]).any(), "both bodies hold the prediction of a pair"
+    turns = world.kinds[world.bodies[:, state.KIND].astype(int), state.SPREAD] > 0
+    entry, twin = (side[turns[body] | turns[partner]] for side in (entry, twin))        # two spheres have no use for a plane
+    assert (lists.directions[twin, :3] == -lists.directions[entry, :3]).all(), "the two bodies of a pair see different planes"
+
+
+def _images(world, entry):
+    return world.lists.images[entry, state.IMAGE:state.IMAGE + 3].astype(int)
 
 
 def _check_calendar(world):
@@ -70,8 +85,9 @@ def _check_calendar(world):
         winner = min((calendar.time[child], calendar.body[child]) for child in (2 * node, 2 * node + 1))
         assert (calendar.time[node], calendar.body[node]) == winner, f"node {node} of the calendar is not the earlier of its children"
     entry = calendar.time[leaves:leaves + n]
-    inside = np.arange(world.lists.time.shape[1]) < world.lists.count[:, None]
-    earliest = np.where(inside, world.lists.time, np.inf).min(axis=1)
+    entries, body = _entries_in_use(world)
+    earliest = np.full(n, np.inf)
+    np.minimum.at(earliest, body, world.lists.numbers[entries, state.EVENT])
     assert (entry <= np.minimum(earliest, world.anchors[:, state.ESCAPE_TIME])).all(), "a body waits past its earliest event"
     assert (entry >= world.clock[state.NOW] - 1e-12 * abs(world.clock[state.NOW])).all(), "an event lies in the past"
 
@@ -93,25 +109,24 @@ def _check_margins(world):
 
 
 def _anchored(world, body, offset):
-    row, anchor = world.bodies[body], world.anchors[body]
-    axes = row[state.SEMI_AXES:state.SEMI_AXES + 3] * anchor[state.ANCHOR_SIZE]
-    return Ellipsoid(axes, offset, anchor[state.ANCHOR_ORIENTATION:state.ANCHOR_ORIENTATION + 4])
+    vectors = world.anchors[body, state.ANCHOR_VECTORS:state.ANCHOR_VECTORS + 9].reshape(3, 3)
+    lengths = np.linalg.norm(vectors, axis=1)
+    return Ellipsoid(lengths, offset, Rotation.from_matrix((vectors / lengths[:, None]).T).as_quat(scalar_first=True))
 
 
 def _check_lists(world, system):
     """Every pair of images whose anchors are nearer than their margins is listed."""
     position = world.anchors[:, state.ANCHOR_POSITION:state.ANCHOR_POSITION + 3]
     first, second, offset = close_pairs(position, world.anchors[:, state.ANCHOR_RADIUS], system.box)
-    pair, _, _ = _pairs_in_use(world)
-    link = world.pairs.link[np.unique(pair)]
-    a, b = link[:, state.BODY_A], link[:, state.BODY_B]
-    vector = position[b] + link[:, state.SHIFT:state.SHIFT + 3] @ system.box - position[a]
+    entry, a = _entries_in_use(world)
+    b = world.lists.links[entry, state.PARTNER]
+    vector = position[b] + _images(world, entry) @ system.box - position[a]
     inverse = np.linalg.inv(system.box)
 
     def keys(i, j, vectors):
         images = np.rint((vectors - position[j] + position[i]) @ inverse).astype(int)
         return [tuple(key) for key in np.column_stack([i, j, images]).tolist()]
-    listed = {*keys(a, b, vector), *keys(b, a, -vector)}
+    listed = set(keys(a, b, vector))
     margin = world.anchors[:, state.ANCHOR_MARGIN]
     for key, i, j, v in zip(keys(first, second, offset), first, second, offset):
         if key not in listed:
@@ -135,29 +150,37 @@ def _check_predictions(world):
     """No pair touches before the time that is on record for it."""
     clock = world.clock
     now, size = clock[state.NOW], clock[state.SIZE] + clock[state.GROWTH] * clock[state.NOW]
-    pair, body, slot = _pairs_in_use(world)
-    times = world.lists.time[body, slot]
+    entry, body = _entries_in_use(world)
+    times = world.lists.numbers[entry, state.EVENT]
     held = np.isfinite(times)
     if not held.any():
         return
-    link, span = world.pairs.link[pair[held]], times[held] - now
+    entry, span = entry[held], times[held] - now
     rows = world.bodies.copy()
-    advance_all(rows, now)
+    advance_all(rows, world.kinds, now)
+    kinds = world.kinds[rows[:, state.KIND].astype(int)]
+    momenta, free = rows[:, state.MOMENTUM:state.MOMENTUM + 3], kinds[:, state.MOTION] == state.FREE
+    moments = np.where(free[:, None], 1 / kinds[:, state.INVERSE_MOMENTS:state.INVERSE_MOMENTS + 3], 1.0)      # equal ones turn steadily
+    spin = np.where(free[:, None], angular_velocities(rows[:, state.ORIENTATION:state.ORIENTATION + 4], momenta, moments),
+                    kinds[:, state.ACROSS, None] * momenta)
+
     def bodies(index, shift):
-        part = rows[index]
-        return batch.Bodies(part[:, state.SEMI_AXES:state.SEMI_AXES + 3] * size, part[:, state.POSITION:state.POSITION + 3] + shift,
+        part, kind = rows[index], kinds[index]
+        return batch.Bodies(kind[:, state.SEMI_AXES:state.SEMI_AXES + 3] * size, part[:, state.POSITION:state.POSITION + 3] + shift,
                             part[:, state.ORIENTATION:state.ORIENTATION + 4], part[:, state.VELOCITY:state.VELOCITY + 3],
-                            part[:, state.TURNING:state.TURNING + 3], clock[state.GROWTH] / size)
+                            spin[index], clock[state.GROWTH] / size, moments[index] if free.any() else None)
     free_time = clock[state.REFINE]
-    longest = max(min(span.max(), 100 * free_time), 1e-300)
-    a = bodies(link[:, state.BODY_A], 0.0)
-    b = bodies(link[:, state.BODY_B], link[:, state.SHIFT:state.SHIFT + 3] @ world.grid.box)
+    shrunk = 0.5 * size / -clock[state.GROWTH] if clock[state.GROWTH] < 0 else np.inf
+    longest = max(min(span.max(), 100 * free_time, shrunk), 1e-300)
+    a = bodies(body[held], 0.0)
+    b = bodies(world.lists.links[entry, state.PARTNER], _images(world, entry) @ world.grid.box)
     time, status = batch.first_contact(a, b, longest)
     speed = np.sqrt((rows[:, state.VELOCITY:state.VELOCITY + 3]**2).sum(axis=1).mean())
-    slack = EARLY * size * rows[:, state.LARGEST].max() / speed if speed > 0 else 0.0
+    slack = EARLY * size * kinds[:, state.LARGEST].max() / speed if speed > 0 else 0.0
     early = (status == Status.CONTACT) & (time < np.minimum(span, longest) - slack)
     for k in np.flatnonzero(early):
-        assert _rests(a, b, k, FAINT * speed), f"a pair touches at {time[k]!r}, before its prediction {span[k]!r}"
+        faint = max(FAINT * speed, DEPTH * a.semi_axes[k].min() / span[k])          # too slow to overlap before the prediction
+        assert _rests(a, b, k, faint), f"a pair touches at {time[k]!r}, before its prediction {span[k]!r}"
 
 
 def _rests(a, b, k, faint):

@@ -5,9 +5,15 @@ import pytest
 from dense import Flights
 from pairs import directions
 
-from ccd.first_contact import curvature, grown, holding_time, support_motion
+from ccd.first_contact import grown, holding_time, support_motion
 
 HORIZON = 0.8
+
+
+def steady(semi_axes, spin):
+    """What `support_motion` takes of a body that turns at a constant rate; the bound on h'' is that of eq. (7)."""
+    least, most = semi_axes.min(), semi_axes.max()
+    return spin, (0.0, 0.0, 0.0), float(np.dot(spin, spin) * (most**2 - least**2) / least), 0.0, 1.0
 
 
 @pytest.mark.parametrize("growth", [0.0, 1.0, -0.9])
@@ -27,8 +33,8 @@ def test_the_support_of_a_flying_body_stays_below_its_parabola(axes, spin, growt
     for k in range(n):
         s = tuple(map(tuple, body.pick([k]).at(np.zeros(1))[1][0].T.tolist()))
         turning = tuple(body.angular_velocity[k].tolist())
-        bend = curvature(tuple(body.semi_axes[k].tolist()), turning)
-        parabolas.append(grown(support_motion(s, turning, bend, tuple(direction[k].tolist()), 0.0), 1.0, growth, HORIZON))
+        ahead = steady(body.semi_axes[k], turning)
+        parabolas.append(grown(support_motion(s, ahead, tuple(direction[k].tolist()), 0.0, HORIZON), 1.0, growth, HORIZON))
     value, rate, bend = np.array(parabolas).T
     np.testing.assert_allclose(value, support(0.0), rtol=1e-14)
     np.testing.assert_allclose(rate, (support(1e-5) - support(-1e-5)) / 2e-5, rtol=0, atol=1e-7 * (1 + spin**3))
@@ -44,7 +50,7 @@ def test_an_aged_parabola_holds_too():
                        3 * rng.normal(size=(1, 3)), np.zeros(1))
         n, turning = directions(rng, 1)[0], tuple(body.angular_velocity[0].tolist())
         s = tuple(map(tuple, body.at(np.zeros(1))[1][0].T.tolist()))
-        value, rate, bend = support_motion(s, turning, curvature(tuple(body.semi_axes[0].tolist()), turning), tuple(n.tolist()), 0.3)
+        value, rate, bend = support_motion(s, steady(body.semi_axes[0], turning), tuple(n.tolist()), 0.3, 1.0)
         for later in np.linspace(0, 0.5, 11):
             h = np.linalg.norm(body.at(np.array([0.3 + later]))[1][0].T @ n)
             assert h <= value + rate * later + 0.5 * bend * later**2 + 1e-13

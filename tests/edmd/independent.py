@@ -62,12 +62,9 @@ def packing_fraction(system):
 
 
 def solid_moments(semi_axes, masses):
-    """Principal moments (n, 3) of uniform solids; with three different axes their mean, as `edmd.System` documents."""
+    """Principal moments (n, 3) of uniform solids."""
     squares = np.asarray(semi_axes)**2
-    moments = np.asarray(masses)[:, None] / 5 * (squares.sum(axis=1, keepdims=True) - squares)
-    triaxial = np.array([len(set(axes)) == 3 for axes in np.asarray(semi_axes).tolist()])
-    moments[triaxial] = moments[triaxial].mean(axis=1, keepdims=True)
-    return moments
+    return np.asarray(masses)[:, None] / 5 * (squares.sum(axis=1, keepdims=True) - squares)
 
 
 def body_spin(system):

