@@ -47,12 +47,13 @@ def plot_curve(x: ArrayLike, y: ArrayLike, output: AnyPath, error: ArrayLike | N
     "log". Points that are nan are left out, and bars that are nan. Returns the path written.
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-    if x.ndim != 1 or x.shape != y.shape or (error is not None and np.shape(error) != x.shape):
-        raise ValueError(f"x, y, error have shapes {x.shape}, {y.shape}, {np.shape(error)}: expected one length (m,)")
+    bars = np.full(x.shape, np.nan) if error is None else np.asarray(error, dtype=float)
+    if x.ndim != 1 or not x.shape == y.shape == bars.shape:
+        raise ValueError(f"x, y, error have shapes {x.shape}, {y.shape}, {bars.shape}: expected one length (m,)")
     figure, axes = panels()
     _curve(axes, x, y, x_label, y_label)
     if error is not None:
-        axes.errorbar(x, y, yerr=error, fmt="none", ecolor=BLUE, elinewidth=0.8, capsize=1.5)
+        axes.errorbar(x, y, yerr=bars, fmt="none", ecolor=BLUE, elinewidth=0.8, capsize=1.5)
     axes.set(xscale=x_scale, yscale=y_scale)
     figure.savefig(output, dpi=200)
     return os.fspath(output)

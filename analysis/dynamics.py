@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from analysis.axes import unit_vectors
 from analysis.frames import FrameAnalysis
 from ccd import checks
-from ccd.annotations import Array, ArrayLike, Floats
+from ccd.annotations import Any, Array, ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
 SAME_LAG = 1e-9                 # relative to the whole time: lags that differ by less are one
 AT_ONCE = 200_000               # displacements held in memory at a time
@@ -102,7 +107,7 @@ def groups_of(frames, times, longest, bins):
 class LagAnalysis(FrameAnalysis):
     """Frames are gathered (all stay in memory), and lags between them averaged at the end, in the groups of `time_lags`."""
 
-    def __init__(self, atomgroup, longest=None, bins=None, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, longest: float | None = None, bins: ArrayLike | None = None, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         self.longest, self.bins = longest, bins
 
@@ -124,7 +129,8 @@ class MeanSquaredDisplacement(LagAnalysis):
         return self.atomgroup.unwrapped_positions, self.axes
 
     def _conclude(self):
-        results = mean_squared_displacement(*self._gathered(), self.times, self.longest, self.bins)
+        positions, axes = self._gathered()
+        results = mean_squared_displacement(positions, axes, self.times, self.longest, self.bins)
         self.results.lag, self.results.total, self.results.parallel, self.results.perpendicular = results
 
 
@@ -140,5 +146,6 @@ class OrientationalCorrelation(LagAnalysis):
         return (self.axes,)
 
     def _conclude(self):
-        results = orientational_correlation(*self._gathered(), self.times, self.longest, self.bins)
+        axes, = self._gathered()
+        results = orientational_correlation(axes, self.times, self.longest, self.bins)
         self.results.lag, self.results.c1, self.results.c2 = results

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.analysis.results import ResultsGroup
 
 from analysis.axes import body_axes
-from ccd.annotations import Floats
+from ccd.annotations import Any, Floats
+
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
 
 class FrameAnalysis(AnalysisBase):
@@ -22,10 +27,10 @@ class FrameAnalysis(AnalysisBase):
     _analysis_algorithm_is_parallelizable = True
 
     @classmethod
-    def get_supported_backends(cls):
+    def get_supported_backends(cls) -> tuple[str, ...]:
         return ("serial", "multiprocessing", "dask")
 
-    def __init__(self, atomgroup, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, **kwargs: Any) -> None:
         super().__init__(atomgroup.universe.trajectory, **kwargs)
         self.atomgroup = atomgroup
 
@@ -45,12 +50,12 @@ class FrameAnalysis(AnalysisBase):
             self.results[name] = np.array(self.results[name])
 
     @property
-    def positions(self):
+    def positions(self) -> Floats:
         data = self._ts.data
         return data["position"][self.atomgroup.ix] if "position" in data else self.atomgroup.positions.astype(float)
 
     @property
-    def cell(self):
+    def cell(self) -> Floats:
         return cell_of(self._ts)
 
     @property
@@ -59,7 +64,7 @@ class FrameAnalysis(AnalysisBase):
         return self.positions, self.atomgroup.orientations, self.atomgroup.semi_axes
 
     @property
-    def axes(self):
+    def axes(self) -> Floats:
         """The body axes in the lab (n, 3)."""
         return body_axes(self.atomgroup.orientations, self.atomgroup.semi_axes)
 
@@ -73,7 +78,7 @@ class ThreadedAnalysis(FrameAnalysis):
     _analysis_algorithm_is_parallelizable = False
 
     @classmethod
-    def get_supported_backends(cls):
+    def get_supported_backends(cls) -> tuple[str, ...]:
         return ("serial",)
 
 

@@ -26,6 +26,7 @@ RAYS = 3  # rays a side of a pixel
 MARGIN = 1.03
 EDGE_SHADE = 0.02
 VIEW = (0.42, -1.0, 0.36)
+Bodies = tuple[Floats, Floats, Floats]  # positions (n, 3), orientations (n, 4), semi-axes (n, 3)
 
 
 def render(source: AnyPath | Universe, output: AnyPath, frame: int = -1, colour: str = "orientation", size: tuple[int, int] = (900, 900),
@@ -39,8 +40,8 @@ def render(source: AnyPath | Universe, output: AnyPath, frame: int = -1, colour:
     periodic cell. Every body is drawn whole, its center inside the cell. Returns the path written. ValueError for any other
     colour, a frame that is not there, a size below one pixel or a view of length zero.
     """
-    (scene,) = scenes(source, [frame], colour, cell, contact_gap)
-    imsave(output, image(*scene, size, view))
+    ((bodies, paint, box),) = scenes(source, [frame], colour, cell, contact_gap)
+    imsave(output, image(bodies, paint, box, size, view))
     return os.fspath(output)
 
 
@@ -59,7 +60,7 @@ def render_series(source: AnyPath | Universe, output: AnyPath, frames: Iterable[
     window = None
     for bodies, _, box in scenes(source, frames, colour, cell, contact_gap):
         window = joined(window, window_of(bodies, box, view))
-    pictures = (image(*scene, size, view, window) for scene in scenes(source, frames, colour, cell, contact_gap))
+    pictures = (image(bodies, paint, box, size, view, window) for bodies, paint, box in scenes(source, frames, colour, cell, contact_gap))
     if os.fspath(output).lower().endswith(".gif"):
         first, *others = map(in_256_colours, pictures)
         first.save(output, save_all=True, append_images=others, duration=1000 / per_second, loop=0)
@@ -110,7 +111,7 @@ def body_colours(colour, atoms, data, contact_gap):
     return colours.orientation_colours(data["orientation"], data["semi_axes"])
 
 
-def image(bodies: tuple[Floats, Floats, Floats], paint: ArrayLike, cell: ArrayLike | None = None, size: tuple[int, int] = (900, 900),
+def image(bodies: Bodies, paint: Floats, cell: ArrayLike | None = None, size: tuple[int, int] = (900, 900),
           view: ArrayLike = VIEW, window: tuple[Floats, Floats] | None = None) -> NDArray[np.uint8]:
     """The picture of ellipsoids as sRGB bytes (height, width, 3), on white, in parallel projection.
 
@@ -146,7 +147,7 @@ def camera_of(view):
     return frame_towards(view, up=(0.0, 0.0, 1.0))
 
 
-def window_of(bodies, cell, view):
+def window_of(bodies: Bodies, cell, view):
     """The part of the view that bodies and cell take up: (lowest (2,), highest (2,))."""
     camera = camera_of(view)
     seen = surfaces(*bodies, camera)

@@ -128,7 +128,7 @@ class PairAnalysis(FrameAnalysis):
 
     REACH = 1.0
 
-    def __init__(self, atomgroup, r_max=None, bins=100, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, r_max: float | None = None, bins: int = 100, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         self.r_max = half_width(cell_of(atomgroup.universe.trajectory.ts)) / self.REACH if r_max is None else r_max
         self.edges = equal_steps(self.r_max, bins)

@@ -177,7 +177,7 @@ class EDMDParser(TopologyReaderBase):
 class EDMDReader(H5MDReader):
     """The frames of an edmd file.
 
-    As the stock reader, and besides: any suffix; a path may be a AnyPath; a file that is still being written opens too, with the
+    As the stock reader, and besides: any suffix; a path may be a str or a Path; a file that is still being written opens too, with the
     frames that are whole by then; `dt` is the first interval between frames (1.0 when there is one frame; `ts.time` is exact
     for each); `ts.data["cell"]` (3, 3) holds the cell vectors as rows in full precision, `ts.data["position"]` (n, 3) the
     positions. A frame is read when it is asked for (the first on opening). The datasets are looked up once, which makes it

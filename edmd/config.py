@@ -257,10 +257,10 @@ def config_text(document: ConfigSource = DEFAULT) -> str:
     parts = [f"{f'seed = {config.seed}':<41} # of everything that is drawn at random"]
     parts.append("\n".join(["[system]", *_kind_lines(config.system)]))
     parts += ["\n".join(["# " + line for line in ["or:  [system]", *_kind_lines(kind())]])
-              for name, kind in SYSTEMS.items() if name != config.system.kind]
+              for kind in SYSTEMS.values() if not isinstance(config.system, kind)]
     parts.append("\n".join(["[rule]", *_kind_lines(config.rule)]))
     parts += ["\n".join(["# " + line for line in ["or:  [rule]", *_kind_lines(kind())]])
-              for name, kind in RULES.items() if name != config.rule.kind]
+              for kind in RULES.values() if not isinstance(config.rule, kind)]
     parts += ["\n".join(["[[stage]]", *_kind_lines(stage)]) for stage in config.stages]
     parts.append("\n".join(["[output]", *_lines(config.output)]))
     return "\n\n".join(parts) + "\n"

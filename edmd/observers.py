@@ -5,9 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cached_property
 from math import ceil, inf, ulp
+from typing import TYPE_CHECKING
 
 from ccd import checks
 from ccd.annotations import Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from edmd.averages import Interval, Means
+    from edmd.system import System
 
 
 class View:
@@ -18,7 +26,7 @@ class View:
     begun: the sums of the next interval so far; course: where the run goes (`simulation.Course`).
     """
 
-    def __init__(self, simulation, interval):
+    def __init__(self, simulation: Any, interval: Interval) -> None:
         self.n, self.time, self.collisions, self.seed = simulation.n, simulation.time, simulation.collisions, simulation.seed
         self.packing_fraction, self.interval, self.begun = simulation.packing_fraction, interval, simulation.begun
         self.course, self.rule, self.contact_time_collisions = simulation.course, simulation.rule, simulation.contact_time_collisions
@@ -29,26 +37,26 @@ class View:
         return self._simulation.synchronised()
 
     @property
-    def system(self):
+    def system(self) -> System:
         return self._copy[0]
 
     @property
-    def images(self):
+    def images(self) -> NDArray[np.int32]:
         return self._copy[1]
 
     @property
-    def energy(self):
+    def energy(self) -> float:
         return self._simulation.energy
 
     @property
-    def temperature(self):
+    def temperature(self) -> float:
         return self._simulation.temperature
 
     @property
-    def means(self):
+    def means(self) -> Means:
         return self.means_over(self.interval)
 
-    def means_over(self, interval):
+    def means_over(self, interval: Interval) -> Means:
         return self._simulation.means_over(interval)
 
 
@@ -146,7 +154,8 @@ class Milestones(Schedule):
     def __init__(self, packing_fraction: float = 0.01, pressure_factor: float = 2.0) -> None:
         self.step = checks.real_number("packing_fraction", packing_fraction, "a positive number", above=0)
         self.factor = checks.real_number("pressure_factor", pressure_factor, "a number above 1", above=1)
-        self._fraction, self._pressure = -inf, None
+        self._fraction = -inf
+        self._pressure: float | None = None
 
     def start(self, view: View) -> None:
         self._fraction, self._pressure = view.packing_fraction, None

@@ -43,7 +43,8 @@ def interpolate_affine(a_start: Ellipsoid, a_end: Ellipsoid, b_start: Ellipsoid,
     return AffineInterpolant(b_start.semi_axes, inverses, centers)
 
 
-def approximate_flight(ellipsoid: Ellipsoid, flight: FreeFlight, t_span: Span = (0.0, 1.0), degree: int = 3) -> RationalMotion | AffineMotion:
+def approximate_flight(ellipsoid: Ellipsoid, flight: FreeFlight, t_span: Span = (0.0, 1.0),
+                       degree: int = 3) -> RationalMotion | AffineMotion:
     """A rational motion close to a free flight within t_span, for the algebraic solution (paper, Sec. 5, asks for such).
 
     The rotation by an angle theta since the middle of the span becomes that of the quaternion 1 + i theta / 2 + ..., the numerator of the

@@ -66,7 +66,7 @@ def combined(*designs):
 
 def plan(points, replicas, seed):
     """The runs of these points. ValueError when two would be the same run."""
-    seen: dict[str, Any] = {}
+    seen: dict[bytes, int] = {}
     runs = []
     for number, point in enumerate(points):
         digest = hashlib.sha256(json.dumps(_canonical(point), sort_keys=True).encode()).digest()
