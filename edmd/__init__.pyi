@@ -20,6 +20,7 @@ from edmd.rules.inelastic import Inelastic as Inelastic
 from edmd.rules.power_law import PowerLaw as PowerLaw
 from edmd.rules.rough import Rough as Rough
 from edmd.rules.viscoelastic import Viscoelastic as Viscoelastic
+from edmd.runs import RunComplete as RunComplete
 from edmd.runs import resume as resume
 from edmd.runs import run as run
 from edmd.simulation import Simulation as Simulation

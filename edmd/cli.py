@@ -168,9 +168,15 @@ def _run(options):
 
 
 def _resume(options):
-    from edmd.runs import resume
+    from edmd.runs import RunComplete, resume
 
-    return _told(options, options.file, resume(options.file, progress=not options.quiet))
+    try:
+        simulation = resume(options.file, progress=not options.quiet)
+    except RunComplete:
+        if not options.quiet:
+            print(f"{options.file}: the run is complete, nothing is left to do")
+        return 0
+    return _told(options, options.file, simulation)
 
 
 def _sweep(options):
