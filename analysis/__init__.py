@@ -39,11 +39,11 @@ from ccd.contacts import contact_numbers, contact_pairs, rattlers
 
 if TYPE_CHECKING:
     from analysis.curves import plot_compression, plot_curve, read_log
-    from analysis.panels import panels
     from analysis.picture import image, render, render_series
+    from analysis.style import panels
 
 _DRAWING = {"image": "picture", "plot_compression": "curves", "plot_curve": "curves", "read_log": "curves", "render": "picture",
-            "render_series": "picture", "panels": "panels"}
+            "render_series": "picture", "panels": "style"}
 
 __all__ = [
     "BiaxialOrder", "ContactNumbers", "CubaticOrder", "CylindricalDistribution", "EDMDParser", "EDMDReader", "FreeVolumes",

@@ -8,8 +8,8 @@ import os
 import numpy as np
 
 from analysis.blocks import weighted_mean
-from analysis.panels import BLUE, ORANGE, panels
 from analysis.reader import PARTICLES, RunFile
+from analysis.style import BLUE, ORANGE, panels
 from ccd.annotations import AnyPath, Array, ArrayLike
 
 STANDS_STILL = 1e-9             # packing fraction, temperature: a spread below it is rounding

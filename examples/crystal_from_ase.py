@@ -15,7 +15,7 @@ import numpy as np
 import analysis
 import edmd
 from analysis.colours import orientation_colours
-from analysis.panels import BLUE, ORANGE, POINTS, panels, picture_panel
+from analysis.style import BLUE, ORANGE, POINTS, panels, picture_panel
 
 SEMI_AXES = (1.0, 1.0, np.sqrt(3))
 DENSEST = 0.7707

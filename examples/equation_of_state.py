@@ -7,7 +7,7 @@ import numpy as np
 
 import analysis
 import edmd
-from analysis.panels import BLUE, ORANGE, POINTS, letter_panels, panels
+from analysis.style import BLUE, ORANGE, POINTS, letter_panels, panels
 
 PACKING_FRACTIONS = [0.05, 0.10, 0.15, 0.20, 0.25, 0.30, 0.35, 0.40, 0.45, 0.48]
 MELT, BLOCKS = 100, 64              # collisions per particle before the measurement; blocks that are measured

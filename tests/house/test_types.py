@@ -54,7 +54,7 @@ CALLABLES = dict(public())
 
 def test_the_public_callables_are_found():
     assert {"ccd.first_contact", "ccd.Ellipsoid.__init__", "ccd.Ellipsoid.inertia", "ccd.batch.state", "edmd.Simulation.run",
-            "edmd.Simulation.pressure", "edmd.sweep", "edmd.System.to_ase", "analysis.plot_curve", "analysis.NearContacts.__init__"} <= set(
+            "edmd.Simulation.pressure", "edmd.sweep", "edmd.System.to_ase", "analysis.panels", "analysis.NearContacts.__init__"} <= set(
         CALLABLES)
 
 
