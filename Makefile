@@ -33,7 +33,7 @@ lint: .venv/installed-for-tests
 	$(BIN)/mypy --no-error-summary
 
 docs: .venv/installed-for-docs
-	$(BIN)/mkdocs build --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 
 clean:
 	rm -rf .venv demo cooling boxers robot_arm ccd_equation compression_rates packing_by_aspect_ratio isotropic_to_nematic \
