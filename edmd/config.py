@@ -251,16 +251,16 @@ def put(document, path, value):
             place = place[key] if isinstance(place, list) else place.setdefault(key, {})
 
 
-def config_text(document: ConfigSource = DEFAULT) -> str:
-    """A config as TOML that can be run, with every key, its value and what it means; what is off, and other kinds, as comments."""
+def config_text(document: ConfigSource = DEFAULT, others: bool = True) -> str:
+    """A config as TOML that can be run, with every key, its value and what it means; comments: what is off, and `others`, other kinds."""
     config = read_config(document)
     parts = [f"{f'seed = {config.seed}':<41} # of everything that is drawn at random"]
     parts.append("\n".join(["[system]", *_kind_lines(config.system)]))
-    parts += ["\n".join(["# " + line for line in ["or:  [system]", *_kind_lines(kind())]])
-              for kind in SYSTEMS.values() if not isinstance(config.system, kind)]
+    if others:
+        parts += _alternatives("system", SYSTEMS, config.system)
     parts.append("\n".join(["[rule]", *_kind_lines(config.rule)]))
-    parts += ["\n".join(["# " + line for line in ["or:  [rule]", *_kind_lines(kind())]])
-              for kind in RULES.values() if not isinstance(config.rule, kind)]
+    if others:
+        parts += _alternatives("rule", RULES, config.rule)
     parts += ["\n".join(["[[stage]]", *_kind_lines(stage)]) for stage in config.stages]
     parts.append("\n".join(["[output]", *_lines(config.output)]))
     return "\n\n".join(parts) + "\n"
@@ -340,6 +340,12 @@ def nearest(word, known):
 def _document(section):
     kind = {"kind": section.kind} if hasattr(section, "kind") else {}
     return kind | {item.name: getattr(section, item.name) for item in fields(section)}
+
+
+def _alternatives(name, kinds, chosen):
+    """The sections of all other kinds, as comments."""
+    return ["\n".join(["# " + line for line in [f"or:  [{name}]", *_kind_lines(kind())]]) for kind in kinds.values()
+            if not isinstance(chosen, kind)]
 
 
 def _kind_lines(section):

@@ -1,10 +1,12 @@
 """The command line: what it prints, what it writes, and its exit status."""
 
+import json
 import os
 import re
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -50,9 +52,31 @@ def test_info(packed, capsys):
     assert main(["info", str(packed[0])]) == 0
     told = capsys.readouterr().out
     assert re.search(r"bodies +32\n", told)
-    assert re.search(r"complete +True\n", told)
+    assert re.search(r"complete +yes\n", told)
     assert re.search(r"written by +edmd " + re.escape(edmd.__version__), told)
     assert f"{read_system(packed[0]).packing_fraction:.9f}" in told
+    contacts = re.search(r"contacts a body +([\d.]+)", packed[1].stdout)[1]
+    assert f"{contacts} (gap below 1.0e-02" in told          # as `edmd pack` counted them
+    assert main(["info", str(packed[0]), "--contact-gap", "1e-14"]) == 0
+    assert "contacts a body   nan (gap below 1.0e-14" in capsys.readouterr().out
+
+
+def test_info_ends_with_the_config_as_it_can_be_run(packed, capsys):
+    assert main(["info", str(packed[0])]) == 0
+    text = capsys.readouterr().out.split("parameters:\n\n")[1]
+    with h5py.File(packed[0]) as file:
+        assert edmd.read_config(tomllib.loads(text)) == edmd.read_config(json.loads(file["edmd"].attrs["parameters"]))
+    assert "or:" not in text
+
+
+def test_info_for_machines(packed, capsys):
+    assert main(["info", "--json", str(packed[0]), "--contact-gap", "1e-14"]) == 0
+    told = json.loads(capsys.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert (told["complete"], told["bodies"], told["seed"], told["rule"]) == (True, 32, 0, {"kind": "elastic"})
+    assert told["packing_fraction"] == pytest.approx(read_system(packed[0]).packing_fraction, rel=1e-12)
+    assert told["parameters"]["stage"][-1]["until_pressure"] == 1e4
+    assert told["contact_number"] is None
+    assert told["rattlers"] == 32
 
 
 def test_verify(packed, capsys):
