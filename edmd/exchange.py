@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 
 from ccd.annotations import Any, AnyPath, ArrayLike
-from edmd.outputs import check_output
+from edmd.outputs import check_output, written_whole
 from edmd.system import System, wrap
 from edmd.trajectory import Frame, frame_of, open_run
 from edmd.trajectory import read_system as read_h5md
@@ -116,10 +116,5 @@ def _shown(indices):
 
 
 def _write(room, path, frames):
-    """Beside the path first, so that a file is whole or not there."""
-    part = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        room.write(part, frames)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    with written_whole(path) as partial:
+        room.write(partial, frames)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterable
 from math import inf, isinf, sqrt
 from typing import TYPE_CHECKING, NamedTuple
@@ -23,7 +22,7 @@ from edmd.events import Ended
 from edmd.inertia import angular_velocities, degrees_of_freedom, own_spin
 from edmd.observers import View, reached
 from edmd.ordering import spatial_order
-from edmd.outputs import check_output
+from edmd.outputs import check_output, written_whole
 from edmd.rules.kinds import chosen_rule, rule_of
 from edmd.rules.rough import Rough
 from edmd.stall import at_rest, time_stands_still
@@ -277,14 +276,8 @@ class Simulation:
         facts = {"inertia": like.inertia if isinstance(like.inertia, str) else "moments", "seed": self.seed,
                  "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "last_means": self.last_means,
                  "last": self._last, "course": self.course, "notes": notes, "rule": self.rule.document(), "format": FORMAT}
-        partial = file_path.with_name(file_path.name + ".partial")
-        try:
-            with open(partial, "wb") as file:
-                np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
-            os.replace(partial, path)
-        except BaseException:
-            partial.unlink(missing_ok=True)
-            raise
+        with written_whole(file_path) as partial, open(partial, "wb") as file:
+            np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
 
     @classmethod
     def load(cls, path: AnyPath) -> Simulation:
