@@ -25,8 +25,9 @@ class Moments(Schedule):
 
 
 class Checkpoint(Observer):
-    """Saves a simulation before a stage and in its course, with the memories of its observers. It must be the last of them: the others have
-    then seen the moment. `stop` ends the run at the next moment with a KeyboardInterrupt, after a last checkpoint."""
+    """Saves a simulation before a stage and in its course, with the memories of its observers, of which the trajectory is the first. It
+    must be the last of all: the others have then seen the moment. `stop` ends the run at the next moment with a KeyboardInterrupt, after a
+    last checkpoint."""
 
     def __init__(self, path, seconds, simulation, observers, stage=0):
         super().__init__(Moments(seconds))
@@ -45,7 +46,7 @@ class Checkpoint(Observer):
         self._simulation.save(self.path, {"stage": self.stage, "memories": [observer.memory() for observer in self._observers]})
         self.when.done()
         if self.when.stopped:
-            raise KeyboardInterrupt(f"edmd resume goes on from {self.path}")
+            raise KeyboardInterrupt(f"edmd resume {self._observers[0].path} goes on from its checkpoint, {self.path}")
 
     def stop(self, *_):
         """End the run at the next moment; can be the handler of a signal."""

@@ -1,6 +1,7 @@
 """The command line. Everything heavy is imported by the command that needs it: `edmd --help` answers at once."""
 
 import argparse
+import os
 import sys
 import time
 
@@ -17,12 +18,18 @@ def main(arguments=None):
     """Run a command; -> its exit status: 0 done, 1 a check failed, 2 bad input, 130 interrupted."""
     options = _parser().parse_args(arguments)
     try:
-        return options.command(options)
+        status = options.command(options)
+        sys.stdout.flush()
+        return status
     except ValueError as problem:
         print(f"edmd {options.name}: {problem}", file=sys.stderr)
         return BAD_INPUT
+    except BrokenPipeError:                     # who reads, such as `head`, has enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
     except (OSError, RuntimeError) as problem:
-        print(f"edmd {options.name}: {problem}", file=sys.stderr)
+        unnamed = isinstance(problem, OSError) and problem.strerror and problem.filename is None and getattr(options, "output", None)
+        print(f"edmd {options.name}: " + (f"output = {options.output!r}: {problem.strerror}" if unnamed else str(problem)), file=sys.stderr)
         return FAILED
     except KeyboardInterrupt as interrupt:
         writes_frames = options.name in ("pack", "run", "resume")
@@ -221,10 +228,12 @@ def _info(options):
     from edmd.trajectory import open_run
 
     with open_run(options.file) as file:
+        frames = len(file["particles/trajectory/position/step"])
         own = {name: value.item() if isinstance(value, np.generic) else value for name, value in file["edmd"].attrs.items()}
     own |= {name: json.loads(own[name]) for name in ("parameters", "rule") if name in own}
     gap = _contact_gap(options)
     summary = summarize(options.file, gap)
+    whole = summary["frames"]
     if options.json:
         known = {name: None if isinstance(value, float) and not isfinite(value) else value for name, value in (own | summary).items()}
         print(json.dumps({"file": options.file, **known, "contact_gap": gap}, indent=1))
@@ -237,7 +246,8 @@ def _info(options):
     _say({"written by": f"edmd {own['version']}, {own['created']}", "platform": own["platform"], "seed": own["seed"],
           "rule": _in_words(own.get("rule", {"kind": "elastic"})),
           **({"made elastic (TC)": spared} if spared else {}), "complete": "yes" if own["complete"] else "no",
-          "frames": summary["frames"], "bodies": summary["bodies"],
+          "frames": f"{whole} of {frames}: the others are not whole (edmd verify)" if whole < frames else whole,
+          "bodies": summary["bodies"],
           "time": f"{summary['time']:.6g}", "collisions": summary["collisions"], "packing fraction": f"{summary['packing_fraction']:.9f}",
           "reduced pressure": f"{summary['reduced_pressure']:.4g} (since the frame before)",
           "contacts a body": f"{summary['contact_number']:.3f} (gap below {gap:.1e}; of those that are held)",
@@ -265,13 +275,16 @@ def _in_words(rule):
 
 
 def _verify(options):
+    from math import inf
+
     from edmd.trajectory import verify_file
 
     began = time.process_time()
     frames, smallest, wrong = verify_file(options.file)
     for problem in wrong:
         print(f"edmd verify: {problem}", file=sys.stderr)
-    _say({"frames": frames, "closest pair touches when scaled by": f"1 {smallest - 1:+.3e}", "problems": len(wrong),
+    _say({"frames": frames, "closest pair touches when scaled by": "none was read" if smallest == inf else f"1 {smallest - 1:+.3e}",
+          "problems": len(wrong),
           "seconds": f"{time.process_time() - began:.1f}"})
     return FAILED if wrong else 0
 

@@ -227,8 +227,8 @@ def _append(dataset, frame, value):
 def open_run(path):
     """The h5py.File of a run, for reading, even while it is being written; ValueError in words when it is none of ours."""
     path = Path(path)
-    if not path.exists():
-        raise ValueError(f"path = {str(path)!r}: no such file")
+    if not path.is_file():
+        raise ValueError(f"path = {str(path)!r}: {'is a folder' if path.is_dir() else 'no such file'}; expected a run, NAME.h5md")
     with suppress(BeingWritten, PermissionError):
         put_back(path)
     try:
@@ -280,8 +280,9 @@ def frame_of(file, path, frame):
         box = group["box/edges/value"][frame]
         images, masses, species = group["image/value"][frame], group["mass"][:], group["species"][:]
         at, step = group["position/time"][frame], group["position/step"][frame]
-    except OSError as problem:
-        raise ValueError(f"path = {str(path)!r}: frame {frame} cannot be read, the file is truncated ({problem})") from None
+    except (OSError, KeyError, IndexError) as problem:
+        raise ValueError(f"path = {str(path)!r}: frame {frame} is not whole, the file was truncated or changed "
+                         f"({problem.args[0]})") from None
     if not np.isfinite(value["position"]).all():
         raise ValueError(f"path = {str(path)!r}: frame {frame} has positions that are not finite")
     inside, more = wrap(value["position"], box)
@@ -299,7 +300,11 @@ def verify_file(path):
     with open_run(path) as file:
         frames = len(file["particles/trajectory/position/step"])
         for frame in range(frames):
-            system = frame_of(file, path, frame).system
+            try:
+                system = frame_of(file, path, frame).system
+            except ValueError as problem:
+                wrong.append(str(problem))
+                continue
             scale = system.smallest_scale()
             smallest = min(smallest, scale)
             if scale < 1 - OVERLAP:

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import resource
 import subprocess
 import sys
 import time
@@ -97,6 +98,34 @@ def test_pictures(packed, capsys, tmp_path, command, suffix):
     assert main([command, str(path), *more, "--overwrite"]) == 0
     assert main([command, str(path), *more, "-o", str(tmp_path / "other.png")]) == 0
     assert (tmp_path / "other.png").stat().st_size > 500
+
+
+def test_a_file_in_which_frames_are_missing(packed, capsys, tmp_path):
+    """What is whole is used, what is not is named, with exit status 1 by verify and 2 where it is needed."""
+    path = tmp_path / "short.h5md"
+    path.write_bytes(packed[0].read_bytes())
+    with h5py.File(path, "a") as file:
+        frames = len(file["particles/trajectory/position/step"])
+        file["particles/trajectory/velocity/value"].resize(frames - 2, axis=0)
+    assert main(["verify", str(path)]) == 1
+    told = capsys.readouterr()
+    assert f"frame {frames - 2} is not whole" in told.err
+    assert re.search(r"problems +2\n", told.out)
+    assert main(["info", str(path)]) == 0
+    assert f"{frames - 2} of {frames}: the others are not whole" in capsys.readouterr().out
+    assert main(["export", str(path), "-o", str(tmp_path / "out.xyz")]) == 2
+    assert f"frame {frames - 2} is not whole" in capsys.readouterr().err
+    assert main(["export", str(path), "-o", str(tmp_path / "out.xyz"), "--frames", f":{frames - 2}"]) == 0
+
+
+def test_a_full_disk_is_told_with_the_file(packed, tmp_path):
+    """A limit on the size of files stands for it."""
+    output = tmp_path / "picture.png"
+    done = subprocess.run([sys.executable, "-m", "edmd", "plot", str(packed[0]), "-o", str(output)], cwd=ROOT, capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": str(ROOT)},
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000)))
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"edmd plot: output = {str(output)!r}: File too large")
 
 
 def test_verify_of_a_tampered_file(packed, capsys, tmp_path):
