@@ -121,8 +121,8 @@ def test_a_file_in_which_frames_are_missing(packed, capsys, tmp_path):
 def test_a_full_disk_is_told_with_the_file(packed, tmp_path):
     """A limit on the size of files stands for it."""
     output = tmp_path / "picture.png"
-    done = subprocess.run([sys.executable, "-m", "edmd", "plot", str(packed[0]), "-o", str(output)], cwd=ROOT, capture_output=True, text=True,
-                          env={**os.environ, "PYTHONPATH": str(ROOT)},
+    done = subprocess.run([sys.executable, "-m", "edmd", "plot", str(packed[0]), "-o", str(output)], cwd=ROOT, capture_output=True,
+                          text=True, env={**os.environ, "PYTHONPATH": str(ROOT)},
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000)))
     assert done.returncode == 1
     assert done.stderr.startswith(f"edmd plot: output = {str(output)!r}: File too large")
