@@ -9,7 +9,7 @@ import numpy as np
 
 from analysis.blocks import weighted_mean
 from analysis.reader import PARTICLES, RunFile
-from analysis.style import BLUE, ORANGE, panels
+from analysis.style import BLUE, ORANGE, panels, plain_ticks
 from ccd.annotations import AnyPath, Array, ArrayLike
 
 STANDS_STILL = 1e-9             # packing fraction, temperature: a spread below it is rounding
@@ -44,17 +44,20 @@ def plot_curve(x: ArrayLike, y: ArrayLike, output: AnyPath, error: ArrayLike | N
     """Draw one result, y (m,) against x (m,), into `output`, with error bars of one standard error where `error` (m,) is given.
 
     As `plot_curve(*[results[name] for name in ("r", "g")], "g.pdf", results.error, "r", "g(r)")`. Scales are those of matplotlib: "linear",
-    "log". Points that are nan are left out, and bars that are nan. Returns the path written.
+    "log", whose axes leave out what is not positive. Points that are nan are left out, and bars that are nan. Returns the path written.
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     bars = np.full(x.shape, np.nan) if error is None else np.asarray(error, dtype=float)
     if x.ndim != 1 or not x.shape == y.shape == bars.shape:
         raise ValueError(f"x, y, error have shapes {x.shape}, {y.shape}, {bars.shape}: expected one length (m,)")
+    shown = ((x > 0) | (x_scale != "log")) & ((y > 0) | (y_scale != "log"))
+    x, y, bars = x[shown], y[shown], bars[shown]
     figure, axes = panels()
     _curve(axes, x, y, x_label, y_label)
     if error is not None:
         axes.errorbar(x, y, yerr=bars, fmt="none", ecolor=BLUE, elinewidth=0.8, capsize=1.5)
     axes.set(xscale=x_scale, yscale=y_scale)
+    plain_ticks(axes)
     figure.savefig(output, dpi=200)
     return os.fspath(output)
 

@@ -41,3 +41,14 @@ def letter_panels(figure):
     """(a), (b), ... in the upper left corner of each panel, as journals ask."""
     for axes, letter in zip(figure.axes, "abcdefgh", strict=False):
         axes.set_title(f"({letter})", loc="left", fontsize=10)
+
+
+def plain_ticks(axes):
+    """1, 2, 5, ... in plain numbers on logarithmic axes of less than two decades, where powers of ten are too few or too wide."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    for axis, scale, (low, high) in ((axes.xaxis, axes.get_xscale(), axes.get_xlim()), (axes.yaxis, axes.get_yscale(), axes.get_ylim())):
+        if scale == "log" and high < 100 * low:
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+            axis.set_minor_formatter(NullFormatter())

@@ -182,9 +182,12 @@ def test_killed_at_random_moments_and_resumed(whole, tmp_path):
                                      *DOCUMENT["stage"][1:]]}
     config.write_text(config_text(document))
     draw, checkpoint = random.Random(seed), path.with_suffix(".checkpoint.npz")
-    for arguments in (["run", config, "-o", path, "--set", "output.checkpoint=0.1", "--quiet"], ["resume", path, "--quiet"]):
-        began, process = time.time(), command(*arguments)
-        while process.poll() is None and not (checkpoint.exists() and checkpoint.stat().st_mtime > began):
+    for arguments, wanted in ((["run", config, "-o", path, "--set", "output.checkpoint=0.1", "--quiet"], 2),
+                              (["resume", path, "--quiet"], 1)):
+        began, process, made = time.time(), command(*arguments), set()          # the first is made before the first event
+        while process.poll() is None and len(made) < wanted:
+            if checkpoint.exists() and checkpoint.stat().st_mtime > began:
+                made.add(checkpoint.stat().st_mtime_ns)
             time.sleep(0.01)
         time.sleep(draw.uniform(0, 0.5))
         process.kill()
