@@ -28,14 +28,20 @@ def main(arguments=None):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     except (OSError, RuntimeError) as problem:
-        unnamed = isinstance(problem, OSError) and problem.strerror and problem.filename is None and getattr(options, "output", None)
-        print(f"edmd {options.name}: " + (f"output = {options.output!r}: {problem.strerror}" if unnamed else str(problem)), file=sys.stderr)
+        print(f"edmd {options.name}: {_with_its_file(problem, getattr(options, 'output', None))}", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt as interrupt:
         writes_frames = options.name in ("pack", "run", "resume")
         kept = str(interrupt) or ("frames already written are kept" if writes_frames else "nothing was written")
         print(f"edmd {options.name}: interrupted; {kept}", file=sys.stderr)
         return INTERRUPTED
+
+
+def _with_its_file(problem, output):
+    """A problem in words; a full disk does not say itself which file it had no room for."""
+    if isinstance(problem, OSError) and problem.strerror and problem.filename is None and output:
+        return f"output = {output!r}: {problem.strerror}"
+    return str(problem)
 
 
 class _Help(argparse.ArgumentDefaultsHelpFormatter):
