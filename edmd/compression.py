@@ -1,10 +1,13 @@
 """What a compression may be asked for: its rates, where it ends, in words."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np
 
 from ccd import checks
+from ccd.annotations import ArrayLike
 
 FASTEST = 2.0               # speed of a growing surface, in thermal speeds, beyond which compression has no physics
 GIVE_UP = 1e10              # reduced pressure at which a compression to a packing fraction ends in vain
@@ -15,7 +18,7 @@ PRESSURE = f"a reduced pressure above 1, at most {JAMMED:g}"
 RATES = "a growth rate, not zero, or pairs of a reduced pressure and the positive rate from there on, the first from 0"
 
 
-def checked_rates(name, rate):
+def checked_rates(name: str, rate: ArrayLike | Mapping[float, float]) -> tuple[tuple[float, float], ...]:
     """Pairs (reduced pressure, rate from there on) of a number, a mapping or pairs, as `Simulation.compress` takes them."""
     try:
         several = isinstance(rate, Mapping) or np.ndim(rate) > 0
@@ -34,12 +37,12 @@ def checked_rates(name, rate):
     return tuple(map(tuple, pairs.tolist()))
 
 
-def checked_pressure(until_pressure):
+def checked_pressure(until_pressure: float) -> float:
     """A reduced pressure at which a compression can end; ValueError in words."""
     return checks.real_number("until_pressure", until_pressure, PRESSURE, above=1, at_most=JAMMED)
 
 
-def checked_packing_fraction(until_packing_fraction, now, rate):
+def checked_packing_fraction(until_packing_fraction: float, now: float, rate: float) -> float:
     """A packing fraction to which this rate leads from that of now; ValueError in words."""
     goal = checks.real_number("until_packing_fraction", until_packing_fraction, "a number between 0 and 1", above=0, below=1)
     if (goal - now) * rate <= 0:
@@ -48,7 +51,7 @@ def checked_packing_fraction(until_packing_fraction, now, rate):
     return goal
 
 
-def check_growth(name, rate, longest):
+def check_growth(name: str, rate: float, longest: float) -> None:
     """ValueError when the surfaces of bodies with this longest semi-axis (times the root of the mass) would outrun the bodies at kT = 1."""
     if rate * longest > FASTEST:
         raise ValueError(f"{name} = {rate}: surfaces would move {rate * longest:.3g} times as fast as the bodies at kT = 1; expected at "

@@ -1,14 +1,18 @@
 """Simulation: blocks of events between observers, compression, velocities anew, and what has gone wrong in words."""
 
+from __future__ import annotations
+
 import json
-import os
+from collections.abc import Iterable, Mapping
 from math import inf, isinf, sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from zipfile import BadZipFile
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ccd import checks
+from ccd.annotations import Any, AnyPath, ArrayLike
 from ccd.precession import symmetry_axes
 from ccd.quaternions import products, rotations, to_lab
 from edmd import building, epoch, state
@@ -19,7 +23,7 @@ from edmd.events import Ended
 from edmd.inertia import angular_momenta, angular_velocities, degrees_of_freedom, own_spin
 from edmd.observers import View, reached
 from edmd.ordering import spatial_order
-from edmd.outputs import check_output
+from edmd.outputs import check_output, written_whole
 from edmd.rules.kinds import chosen_rule, rule_of
 from edmd.rules.rough import Rough
 from edmd.stall import at_rest, time_stands_still
@@ -27,6 +31,9 @@ from edmd.state import EPOCH, GROWTH, HORIZON, NOW, REFINE, SIZE
 from edmd.system import System
 from edmd.tolerances import FOREVER, OVERLAP
 from edmd.velocities import thermalized
+
+if TYPE_CHECKING:
+    from edmd.observers import Observer
 
 STALL_PATH = "edmd.stalled.npz"
 FORMAT = 4                  # of what `save` writes
@@ -56,7 +63,7 @@ class Simulation:
     way, or in whose course the state was saved; else None. notes: those of `save`.
     """
 
-    def __init__(self, system, seed=0, restitution=1.0, rule=None):
+    def __init__(self, system: System, seed: int = 0, restitution: float = 1.0, rule: Any = None) -> None:
         if not isinstance(system, System):
             raise ValueError(f"system = {system!r}: expected an edmd.System")
         first, second, f = system.contact_functions()
@@ -72,32 +79,33 @@ class Simulation:
         self._spin = np.zeros(system.n) if self._rough else own_spin(system)
         self._grown_inertia = 1.0
         self._done = self._before = self._last = Interval()
-        self.course, self.notes, self.stall_path = None, None, STALL_PATH
+        self.course: Course | None = None
+        self.notes, self.stall_path = None, STALL_PATH
         self.last_means = self.means_over(Interval())
 
     # what is now
 
     @property
-    def n(self):
+    def n(self) -> int:
         return self._system.n
 
     @property
-    def time(self):
+    def time(self) -> float:
         return float(self._world.clock[EPOCH] + self._world.clock[NOW])
 
     @property
-    def collisions(self):
+    def collisions(self) -> int:
         """Collisions since the start; each counts once for its pair."""
         return int(self._world.tally[state.COLLISIONS])
 
     @property
-    def size(self):
+    def size(self) -> float:
         """Factor on the semi-axes since the start."""
         clock = self._world.clock
         return float(clock[SIZE] + clock[GROWTH] * clock[NOW])
 
     @property
-    def contact_time_collisions(self):
+    def contact_time_collisions(self) -> int:
         """Collisions since the start that the TC model made elastic (the rule's contact_time)."""
         return int(self._world.tally[state.SPARED])
 
@@ -110,21 +118,21 @@ class Simulation:
         return degrees_of_freedom(self._system, self._rough)
 
     @property
-    def packing_fraction(self):
+    def packing_fraction(self) -> float:
         return self._system.packing_fraction * self.size**3
 
     @property
-    def energy(self):
+    def energy(self) -> float:
         """Kinetic energy that collisions exchange (without the spin of smooth bodies of revolution about their axes)."""
         return float(epoch.kinetic_energy(self._world))
 
     @property
-    def temperature(self):
+    def temperature(self) -> float:
         """kT = 2 E / (3 n - 3 + active rotational degrees of freedom)."""
         return 2 * self.energy / self._degrees
 
     @property
-    def nematic_order(self):
+    def nematic_order(self) -> float:
         """Largest eigenvalue of the mean of (3 u u - 1) / 2 over the symmetry axes u (the longest axis where all three differ)."""
         system = self.system
         kinds = symmetry_axes(system.semi_axes)
@@ -133,11 +141,11 @@ class Simulation:
         return float(np.linalg.eigvalsh(1.5 * (u.T @ u) / len(u) - 0.5 * np.eye(3))[-1])
 
     @property
-    def system(self):
+    def system(self) -> System:
         """A synchronised copy of the bodies; reading it never changes the run."""
         return self.synchronised()[0]
 
-    def synchronised(self):
+    def synchronised(self) -> tuple[System, NDArray[np.int32]]:
         """The System of now, positions in the cell, and the images (n, 3) they belong to: unwrapped = positions + images @ box."""
         rows, images = building.synchronised_rows(self._world, np.argsort(self._order))
         like = self._system
@@ -153,39 +161,40 @@ class Simulation:
     # what was seen over the most recent run or compression
 
     @property
-    def means(self):
+    def means(self) -> Means:
         """Averages over the most recent run() or compress(): see `averages.Means`."""
         return self.means_over(self._done.plus(self.begun).minus(self._before))
 
     @property
-    def pressure(self):
+    def pressure(self) -> float:
         return self.means.pressure
 
     @property
-    def compressibility_factor(self):
+    def compressibility_factor(self) -> float:
         """Z = P V / (n kT)."""
         return self.means.reduced_pressure
 
     @property
-    def collision_rate(self):
+    def collision_rate(self) -> float:
         """Collisions per particle per time; each counts for both."""
         return self.means.collision_rate
 
     @property
-    def begun(self):
+    def begun(self) -> Interval:
         """The sums since the last upkeep (`averages.Interval`)."""
         clock, tally = self._world.clock, self._world.tally
         energy_time = clock[state.ENERGY_TIME] + clock[state.ENERGY] * (clock[NOW] - clock[state.ENERGY_SINCE])
         return Interval(float(clock[NOW]), int(tally[state.COLLISIONS] - tally[state.EPOCH_BEGAN]), float(clock[state.VIRIAL]),
                         float(energy_time))
 
-    def means_over(self, interval):
+    def means_over(self, interval: Interval) -> Means:
         """Averages over an `averages.Interval` of this simulation."""
         return interval.means(self.n, self._degrees, self._system.volume)
 
     # what can be done
 
-    def run(self, time=None, collisions=None, collisions_per_particle=None, observers=()):
+    def run(self, time: float | None = None, collisions: int | None = None, collisions_per_particle: float | None = None,
+            observers: Iterable[Observer] = ()) -> Simulation:
         """Go on for a time, or for a number of collisions, in all or per particle (2 collisions / n). Exactly one is given."""
         given = {"time": time, "collisions": collisions, "collisions_per_particle": collisions_per_particle}
         chosen = [name for name, value in given.items() if value is not None]
@@ -205,7 +214,8 @@ class Simulation:
         self._begin(observers)
         return self._follow(Course(self.time, self.collisions, until_time, until_collisions), observers)
 
-    def compress(self, rate, until_pressure=None, until_packing_fraction=None, observers=()):
+    def compress(self, rate: ArrayLike | Mapping[float, float], until_pressure: float | None = None,
+                 until_packing_fraction: float | None = None, observers: Iterable[Observer] = ()) -> Simulation:
         """Let all semi-axes grow as 1 + rate t (Lubachevsky and Stillinger) at kT = 1, to a reduced pressure P V / (n kT), at most 1e12, or
         to a packing fraction, which is met exactly. Exactly one is given. A negative rate expands: down to a pressure, or to a fraction.
 
@@ -225,7 +235,7 @@ class Simulation:
             check_growth("rate", one, self.size * self._system.semi_axes.max() * sqrt(self._system.masses.max()))
         if until_pressure is not None:
             until_pressure = checked_pressure(until_pressure)
-        else:
+        if until_packing_fraction is not None:
             until_packing_fraction = checked_packing_fraction(until_packing_fraction, self.packing_fraction, rate)
         self._refuse_in_the_course_of_a_compression()
         if rate < 0:
@@ -238,7 +248,7 @@ class Simulation:
         return self._follow(Course(self.time, self.collisions, until_time, until_pressure=until_pressure or give_up,
                                    until_packing_fraction=until_packing_fraction, grows=True, rates=tuple(slower)), observers)
 
-    def rescale(self, temperature):
+    def rescale(self, temperature: float) -> Simulation:
         """Multiply all velocities and angular velocities by one factor, so that the temperature is this kT now. -> self.
 
         The total momentum is multiplied too. The spin that smooth bodies never change (that of spheres, and of bodies of revolution about
@@ -254,7 +264,7 @@ class Simulation:
         epoch.rescale(self._world, factor, 1.0)
         return self
 
-    def thermalize(self, temperature=1.0, seed=None):
+    def thermalize(self, temperature: float = 1.0, seed: int | None = None) -> Simulation:
         """Draw velocities and angular velocities anew from the Maxwell distribution: no total momentum, and exactly this kT. -> self.
 
         seed: of the draw; by default that of the simulation. The spin that smooth bodies never change stays.
@@ -267,7 +277,7 @@ class Simulation:
         epoch.set_velocities(self._world, drawn.velocities[self._order], angular_momenta(drawn)[self._order])
         return self
 
-    def resume(self, observers=()):
+    def resume(self, observers: Iterable[Observer] = ()) -> Simulation:
         """Go on with the run() or compress() during which `save` wrote this state, to where that was to end: bit for bit as if it had never
         been interrupted. Observers are started, but for those that `Observer.restore` brought back to where they were."""
         if self.course is None:
@@ -279,15 +289,15 @@ class Simulation:
                 observer.start(view)
         return self._follow(self.course, observers)
 
-    def verify(self):
+    def verify(self) -> None:
         """Check every invariant of the run: AssertionError says what is wrong."""
         from edmd.verify import verify_world
 
         verify_world(self._world, self.system)
 
-    def save(self, path, notes=None):
+    def save(self, path: AnyPath, notes: Any = None) -> None:
         """Write the exact state to a file, with notes that JSON can hold; `Simulation.load` goes on from it bit for bit."""
-        path = check_output(path, overwrite=True)
+        file_path = check_output(path, overwrite=True)
         arrays = {f"world.{name}": array for name, array in building.flattened(self._world)}
         like = self._system
         arrays |= {f"system.{name}": getattr(like, name) for name in
@@ -295,17 +305,11 @@ class Simulation:
         facts = {"inertia": like.inertia if isinstance(like.inertia, str) else "moments", "seed": self.seed,
                  "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "last_means": self.last_means,
                  "last": self._last, "course": self.course, "notes": notes, "rule": self.rule.document(), "format": FORMAT}
-        partial = path.with_name(path.name + ".partial")
-        try:
-            with open(partial, "wb") as file:
-                np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
-            os.replace(partial, path)
-        except BaseException:
-            partial.unlink(missing_ok=True)
-            raise
+        with written_whole(file_path) as partial, open(partial, "wb") as file:
+            np.savez(file, facts=json.dumps(facts), spin=self._spin, order=self._order, **arrays)
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: AnyPath) -> Simulation:
         """The simulation that `save` wrote."""
         try:
             with np.load(path, allow_pickle=False) as saved:
@@ -347,8 +351,7 @@ class Simulation:
         """A course to its end, with all that begins and ends it but the start of the observers."""
         self.course = course
         try:
-            self._go(observers)
-            course = self.course
+            course = self._go(course, observers)
             jammed = course.until_packing_fraction is not None and not reached(self.time, course.until_time)
             if course.until_packing_fraction is not None and not jammed:
                 self._meet_packing_fraction(course.until_packing_fraction)
@@ -367,37 +370,39 @@ class Simulation:
                              "expected less, or a slower rate")
         return self
 
-    def _go(self, observers):
-        """Events until the course ends, in blocks that end where an observer is due."""
-        upkeep = self._to_unit_temperature if self.course.grows else lambda: epoch.start_epoch(self._world)
-        while not self._arrived():
-            time = min([self.course.until_time, *(observer.when.next_time() for observer in observers)])
-            collisions = min([self.course.until_collisions, *(observer.when.next_collisions() for observer in observers)])
+    def _go(self, course, observers):
+        """Events until the course ends, in blocks that end where an observer is due. -> the course, with the rates still to come."""
+        upkeep = self._to_unit_temperature if course.grows else lambda: epoch.start_epoch(self._world)
+        while not self._arrived(course):
+            time = min([course.until_time, *(observer.when.next_time() for observer in observers)])
+            collisions = min([course.until_collisions, *(observer.when.next_collisions() for observer in observers)])
             if self._block(time, collisions) == Ended.EPOCH or self._world.clock[NOW] >= self._longest_epoch():
                 self._last = self._new_epoch(upkeep)
                 self.last_means = self.means_over(self._last)
-                self._slow_down()
+                self.course = course = self._slowed(course)
                 for observer in observers:
                     observer.upkeep(View(self, self._last))
             for observer in observers:
                 if observer.when.due(View(self, self._last)):
                     observer.see(View(self, self._last))
+        return course
 
-    def _arrived(self):
+    def _arrived(self, course):
         """Whether the course has come to its time, its number of collisions or its reduced pressure."""
-        course, pressure = self.course, self.means_over(self._last).reduced_pressure
+        pressure = self.means_over(self._last).reduced_pressure
         return (reached(self.time, course.until_time) or self.collisions >= course.until_collisions
                 or (pressure <= course.until_pressure if self._world.clock[GROWTH] < 0 else pressure >= course.until_pressure))
 
-    def _slow_down(self):
-        """Grow at the rate that the schedule has for the pressure just measured, if it has come to a new one."""
-        course, rate = self.course, None
+    def _slowed(self, course):
+        """The course, growing on at the rate that the schedule has for the pressure just measured, if it has come to a new one."""
+        rate = None
         while course.rates and self.last_means.reduced_pressure >= course.rates[0][0]:
             (_, rate), *left = course.rates
-            course = course._replace(rates=left)
+            course = course._replace(rates=tuple(left))
         if rate is not None:
-            self.course = course._replace(until_time=self._time_at(course.until_packing_fraction, rate))
+            course = course._replace(until_time=self._time_at(course.until_packing_fraction, rate))
             self._act(epoch.set_growth, rate * self.size)
+        return course
 
     def _time_at(self, packing_fraction, rate):
         """When growth at this rate from now on comes to a packing fraction; inf without one."""

@@ -1,5 +1,7 @@
 """Thermal velocities."""
 
+from __future__ import annotations
+
 from math import sqrt
 
 import numpy as np
@@ -8,11 +10,12 @@ from ccd import checks
 from ccd.precession import SPHERE, symmetry_axes
 from ccd.quaternions import to_lab
 from edmd.inertia import temperature_of
+from edmd.system import System
 
 SPINS = ("drawn", "none", "counted")
 
 
-def thermalized(system, seed=0, temperature=1.0, spin="drawn"):
+def thermalized(system: System, seed: int | np.random.Generator = 0, temperature: float = 1.0, spin: str = "drawn") -> System:
     """A copy with velocities and angular velocities from the Maxwell distribution, no total momentum, and exactly this temperature (kT).
 
     spin: what smooth bodies never change, the spin of spheres and that of bodies of revolution about their axes, is "drawn" like the rest
