@@ -333,7 +333,7 @@ def _look_at_ellipsoids(world, entry, own, other):
     n, converged = plane(own, other, r, direction_of(world.lists, entry), EXACT)
     gap, rate, bend, supports = pair_motion(own, other, r, n, clock)
     time = clock[NOW] + _within(clock[HORIZON], holding_time(gap, rate, bend), bend)
-    if rate < 0 and converged and (gap <= TOUCHING * supports or time == clock[NOW]):
+    if rate < 0 and converged and (gap <= TOUCHING * supports + clock[ROUNDING] or time == clock[NOW]):     # as of balls
         hold(world, entry, own, other, n)                   # a plane that cuts into the bodies would say nothing of what comes next
         return True, rate, n
     if time - clock[NOW] > IMMINENT * clock[REFINE]:
