@@ -128,6 +128,6 @@ def describe(path):
     shape = " and ".join(kinds) if len(kinds) <= 3 else f"of {len(kinds)} shapes"
     words = [f"{name.replace('_', ' ')} {value:g}" if isinstance(value, float) else f"{name.replace('_', ' ')} {value}"
              for name, value in parameters.items() if isinstance(value, (int, float, str)) and name != "n"]
-    rates = [f"{stage['rate']:g}" for stage in parameters.get("stage", ()) if "rate" in stage]
+    rates = [f"{rate:g}" for stage in parameters.get("stage", ()) if "rate" in stage for rate in np.atleast_2d(stage["rate"])[:, -1]]
     words += [f"growth rate {', '.join(rates)}"] if rates else []
     return ", ".join([f"{len(shapes)} ellipsoids {shape}", *words])

@@ -5,11 +5,13 @@ from __future__ import annotations
 import operator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ccd.annotations import Any, Floats, Span
 
 Shape = tuple[int | None, ...]
 UNIT = 1e-15
+SHORT = 12                   # elements of an array that a message shows in full
 SINGULAR = 1e-14             # ratio of singular values, some 50 roundings
 
 
@@ -22,22 +24,29 @@ def real_array(name: str, value: Any, shape: Shape, what: str) -> Floats:
         raise ValueError(f"{name} = {value!r}: expected {what}") from None
     if array.ndim != len(shape) or any(want is not None and have != want for have, want in zip(array.shape, shape)):
         raise ValueError(f"{name} has shape {array.shape}: expected {what}")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} = {value!r}: expected finite numbers")
+    _everywhere(name, value, array, np.isfinite(array), "finite numbers")
     return array
+
+
+def _everywhere(name: str, value: Any, array: Floats, fine: NDArray[np.bool_], what: str) -> None:
+    """ValueError for the first element of an array that is not fine; a short array is shown as it was given."""
+    if fine.all():
+        return
+    if array.size <= SHORT:
+        raise ValueError(f"{name} = {value!r}: expected {what}")
+    where = tuple(np.argwhere(~fine)[0].tolist())
+    raise ValueError(f"{name}[{', '.join(map(str, where))}] = {array[where]}: expected {what}")
 
 
 def semi_axes(name: str, value: Any, shape: Shape = (3,), what: str = "three positive lengths") -> Floats:
     array = real_array(name, value, shape, what)
-    if not (array > 0).all():
-        raise ValueError(f"{name} = {value!r}: every semi-axis must be positive")
+    _everywhere(name, value, array, array > 0, "positive semi-axes")
     return array
 
 
 def principal_moments(name: str, value: Any, shape: Shape = (3,), what: str = "three positive moments of inertia") -> Floats:
     array = real_array(name, value, shape, what)
-    if not (array > 0).all():
-        raise ValueError(f"{name} = {value!r}: every moment of inertia must be positive")
+    _everywhere(name, value, array, array > 0, "positive moments of inertia")
     return array
 
 

@@ -7,7 +7,6 @@ from edmd.exchange import read_system as read_system
 from edmd.initial import from_ase as from_ase
 from edmd.initial import lattice as lattice
 from edmd.initial import random_system as random_system
-from edmd.initial import thermalized as thermalized
 from edmd.observers import Every as Every
 from edmd.observers import Logarithmic as Logarithmic
 from edmd.observers import Milestones as Milestones
@@ -29,5 +28,6 @@ from edmd.sweeps.campaign import sweep as sweep
 from edmd.sweeps.design import random_points as random_points
 from edmd.system import System as System
 from edmd.trajectory import Trajectory as Trajectory
+from edmd.velocities import thermalized as thermalized
 
 __version__: str

@@ -15,20 +15,20 @@ from typing import Annotated, Any, get_type_hints
 
 from ccd import checks
 from ccd.annotations import AnyPath
+from edmd.compression import JAMMED, PRESSURE, checked_rates
 from edmd.initial import LATTICES
 from edmd.observers import Every, Logarithmic, Milestones
 from edmd.rules.kinds import RULES
 from edmd.rules.rule import Rule
-from edmd.simulation import JAMMED
 
 Check = Callable[[str, Any], Any]
 
 
-def _number(what, above=-inf, at_least=-inf, below=inf) -> Check:
+def _number(what, above=-inf, at_least=-inf, below=inf, at_most=inf) -> Check:
     def check(name, value):
         if not isinstance(value, int | float) or isinstance(value, bool):
             raise ValueError(f"{name} = {as_toml(value)}: expected {what}")
-        return checks.real_number(name, value, what, above, at_least, below)
+        return checks.real_number(name, value, what, above, at_least, below, at_most)
     return check
 
 
@@ -72,6 +72,12 @@ def _bodies(name, value):
 def _rows(name, value):
     rows = isinstance(value, list | tuple) and value and isinstance(value[0], list | tuple)
     return (_list_of(_axes, None, "one row of three lengths a species") if rows else _axes)(name, value)
+
+
+def _rates(name, value):
+    if isinstance(value, list | tuple):
+        return checked_rates(name, value)
+    return checked_rates(name, _number("a growth rate, not zero")(name, value))[0][1]
 
 
 def _frames(name, value):
@@ -171,10 +177,11 @@ class Compress:
     """let all semi-axes grow (or shrink) at kT = 1; exactly one of until_packing_fraction, until_pressure"""
 
     kind = "compress"
-    rate: Annotated[float, "the semi-axes grow as 1 + rate t; negative: they shrink", _number("a growth rate")] = 1e-2
+    rate: Annotated[float | tuple, "the semi-axes grow as 1 + rate t; negative: they shrink; [[0, 1e-2], [100, 1e-3]]: 1e-3 from a reduced "
+                                   "pressure of 100 on", _rates] = 1e-2
     until_packing_fraction: Annotated[float | None, "end there, exactly", _fraction] = None
-    until_pressure: Annotated[float | None, "end at this reduced pressure P V / (n kT); 1e8: jammed",
-                              _number(f"a reduced pressure above 1, below {JAMMED:g}", above=1, below=JAMMED)] = None
+    until_pressure: Annotated[float | None, "end at this reduced pressure P V / (n kT), at most 1e12; 1e8: jammed",
+                              _number(PRESSURE, above=1, at_most=JAMMED)] = None
     frames: _Frames = None
 
     one_of = ("until_packing_fraction", "until_pressure")

@@ -1,4 +1,4 @@
-"""Where a run starts: crystals that ASE builds, random systems, thermal velocities."""
+"""Where a run starts: crystals that ASE builds, random systems."""
 
 from __future__ import annotations
 
@@ -12,11 +12,9 @@ import numpy as np
 from ccd import checks
 from ccd.annotations import ArrayLike
 from ccd.contacts import contact_functions
-from ccd.precession import SPHERE, symmetry_axes
-from ccd.quaternions import to_lab
-from edmd.inertia import temperature_of
 from edmd.system import System
 from edmd.tolerances import MARGIN
+from edmd.velocities import thermalized
 
 if TYPE_CHECKING:
     from ase import Atoms
@@ -26,7 +24,6 @@ ROOMY = 0.85            # part of what the lattice holds at most, where that is 
 BODIES_PER_CELL = 4     # fcc
 LEAST_BODIES = 8
 DENSEST = 0.75          # packing fraction for which the cell must have room around every body
-SPINS = ("drawn", "none", "counted")
 LATTICES = ("fcc", "bcc", "sc", "hcp")
 SPARSE = 0.02           # packing fraction at which random bodies are first laid down
 RANDOM_RATE = 0.15      # speed at which surfaces grow from there to the wanted packing fraction, in thermal speeds
@@ -173,33 +170,6 @@ def random_system(n: int | Sequence[int], semi_axes: ArrayLike, packing_fraction
         system = simulation.system
     return thermalized(System(system.positions, system.orientations, wanted, edge, masses=masses, inertia=inertia,
                               species=species), rng)
-
-
-def thermalized(system: System, seed: int | np.random.Generator = 0, temperature: float = 1.0, spin: str = "drawn") -> System:
-    """A copy with velocities and angular velocities from the Maxwell distribution, no total momentum, and exactly this temperature (kT).
-
-    spin: what smooth bodies never change, the spin of spheres and that of bodies of revolution about their axes, is "drawn" like the rest
-    and does not count for the temperature; or "none", for gases that cool, where it would hold the axes like gyroscopes; or "counted", for
-    rough bodies.
-    """
-    if spin not in SPINS:
-        raise ValueError(f"spin = {spin!r}: expected one of {', '.join(map(repr, SPINS))}")
-    temperature = checks.real_number("temperature", temperature, "a positive number (kT)", above=0)
-    rng = np.random.default_rng(seed)
-    system = system.copy()
-    n, masses = system.n, system.masses[:, None]
-    system.velocities = rng.normal(size=(n, 3)) * np.sqrt(temperature / masses)
-    if n > 1:
-        system.velocities -= (masses * system.velocities).sum(axis=0) / masses.sum()
-    in_body = rng.normal(size=(n, 3)) * np.sqrt(temperature / system.moments)
-    if spin == "none":
-        kinds = symmetry_axes(system.semi_axes)
-        in_body[(kinds[:, None] == np.arange(3)) | (kinds == SPHERE)[:, None]] = 0.0
-    system.angular_velocities = to_lab(system.orientations, in_body)
-    factor = sqrt(temperature / temperature_of(system, spin == "counted"))
-    system.velocities *= factor
-    system.angular_velocities *= factor
-    return system
 
 
 def _counts(name, value, what):

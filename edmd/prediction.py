@@ -186,7 +186,8 @@ def meeting_of_balls(world, entry, own, other):
     r, v = imaged(world, entry, subtract(other[0], own[0])), subtract(other[1], own[1])
     distance, growing = norm(r), reach * clock[GROWTH]
     reach *= size_now(clock)
-    return meeting(r, v, reach, growing), distance - reach, dot(r, v) / distance - growing, r
+    rate = dot(scale(1.0 / distance, r), v) - growing           # along the n of the impulse, to the bit: else energy drifts one way
+    return meeting(r, v, reach, growing), distance - reach, rate, r
 
 
 @kernel
@@ -332,7 +333,7 @@ def _look_at_ellipsoids(world, entry, own, other):
     n, converged = plane(own, other, r, direction_of(world.lists, entry), EXACT)
     gap, rate, bend, supports = pair_motion(own, other, r, n, clock)
     time = clock[NOW] + _within(clock[HORIZON], holding_time(gap, rate, bend), bend)
-    if rate < 0 and converged and (gap <= TOUCHING * supports or time == clock[NOW]):
+    if rate < 0 and converged and (gap <= TOUCHING * supports + clock[ROUNDING] or time == clock[NOW]):     # as of balls
         hold(world, entry, own, other, n)                   # a plane that cuts into the bodies would say nothing of what comes next
         return True, rate, n
     if time - clock[NOW] > IMMINENT * clock[REFINE]:

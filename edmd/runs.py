@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 from ccd.annotations import AnyPath
 from edmd.averages import Interval
 from edmd.checkpoint import Checkpoint, read_checkpoint
+from edmd.compression import checked_packing_fraction, checked_rates
 from edmd.config import UNITS, read_config
-from edmd.initial import crystal, lattice, random_system, thermalized
+from edmd.initial import crystal, lattice, random_system
 from edmd.journal import put_back
 from edmd.observers import Every, Logarithmic, Milestones, View
 from edmd.outputs import check_output
@@ -25,6 +26,7 @@ from edmd.rules.rough import Rough
 from edmd.simulation import Simulation
 from edmd.system import PER_BODY
 from edmd.trajectory import Trajectory, open_run, read_system
+from edmd.velocities import thermalized
 
 if TYPE_CHECKING:
     from edmd.config import ConfigSource
@@ -184,12 +186,12 @@ def _check_stages(simulation, stages):
                              "with a time")
         if stage.kind == "run":
             continue
-        if stage.until_pressure is not None and stage.rate <= 0:
-            raise ValueError(f"{name}.rate = {stage.rate}: expected a positive rate with until_pressure")
         goal = stage.until_packing_fraction
-        if None not in (goal, fraction) and (goal - fraction) * stage.rate <= 0:
-            raise ValueError(f"{name}.until_packing_fraction = {goal}: the packing fraction is {fraction:.6g} by then and rate = "
-                             f"{stage.rate} leads away from it")
+        if None not in (goal, fraction):
+            try:
+                checked_packing_fraction(goal, fraction, checked_rates("rate", stage.rate)[0][1])
+            except ValueError as problem:
+                raise ValueError(f"{name}.{problem}") from None
         fraction = goal
 
 

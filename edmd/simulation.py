@@ -1,9 +1,9 @@
-"""Simulation: blocks of events between observers, compression, and what has gone wrong in words."""
+"""Simulation: blocks of events between observers, compression, velocities anew, and what has gone wrong in words."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import inf, isinf, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 from zipfile import BadZipFile
@@ -12,32 +12,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ccd import checks
-from ccd.annotations import Any, AnyPath
+from ccd.annotations import Any, AnyPath, ArrayLike
 from ccd.precession import symmetry_axes
 from ccd.quaternions import products, rotations, to_lab
 from edmd import building, epoch, state
 from edmd.averages import Interval, Means
+from edmd.compression import GIVE_UP, IDLE, OPENED, check_growth, checked_packing_fraction, checked_pressure, checked_rates
 from edmd.engine import advance_events
 from edmd.events import Ended
-from edmd.inertia import angular_velocities, degrees_of_freedom, own_spin
+from edmd.inertia import angular_momenta, angular_velocities, degrees_of_freedom, own_spin
 from edmd.observers import View, reached
 from edmd.ordering import spatial_order
 from edmd.outputs import check_output, written_whole
 from edmd.rules.kinds import chosen_rule, rule_of
 from edmd.rules.rough import Rough
 from edmd.stall import at_rest, time_stands_still
-from edmd.state import EPOCH, GROWTH, NOW, SIZE
+from edmd.state import EPOCH, GROWTH, HORIZON, NOW, REFINE, SIZE
 from edmd.system import System
 from edmd.tolerances import FOREVER, OVERLAP
+from edmd.velocities import thermalized
 
 if TYPE_CHECKING:
     from edmd.observers import Observer
 
 STALL_PATH = "edmd.stalled.npz"
 FORMAT = 4                  # of what `save` writes
-FASTEST = 2.0               # speed of a growing surface, in thermal speeds, beyond which compression has no physics
-GIVE_UP = 1e10              # reduced pressure at which a compression to a packing fraction ends in vain
-JAMMED = 1e12               # reduced pressure beyond which float64 cannot resolve the gaps
 
 
 class Course(NamedTuple):
@@ -50,6 +49,7 @@ class Course(NamedTuple):
     until_pressure: float = inf
     until_packing_fraction: float | None = None
     grows: bool = False
+    rates: tuple = ()           # pairs (reduced pressure, rate) still to come
 
 
 class Simulation:
@@ -68,9 +68,10 @@ class Simulation:
             raise ValueError(f"system = {system!r}: expected an edmd.System")
         first, second, f = system.contact_functions()
         if len(f) and sqrt(f.min()) < 1 - OVERLAP:
-            worst = f.argmin()
-            raise ValueError(f"system: bodies {first[worst]} and {second[worst]} overlap (they touch when scaled by {sqrt(f[worst]):.6g}); "
-                             "expected a start without overlap")
+            one, other, factor = first[f.argmin()], second[f.argmin()], f"(they touch when scaled by {sqrt(f.min()):.6g})"
+            if one == other:
+                raise ValueError(f"system: body {one} and its own periodic image overlap {factor}; expected a larger box")
+            raise ValueError(f"system: bodies {one} and {other} overlap {factor}; expected a start without overlap")
         self.seed, self.rule = checks.natural_number("seed", seed), chosen_rule(restitution, rule)
         self._system = system.copy()
         self._order = spatial_order(system.positions, system.box)          # of the bodies in the world
@@ -213,40 +214,68 @@ class Simulation:
         self._begin(observers)
         return self._follow(Course(self.time, self.collisions, until_time, until_collisions), observers)
 
-    def compress(self, rate: float, until_pressure: float | None = None, until_packing_fraction: float | None = None,
-                 observers: Iterable[Observer] = ()) -> Simulation:
-        """Let all semi-axes grow as 1 + rate t (Lubachevsky and Stillinger) at kT = 1, to a reduced pressure P V / (n kT) or a packing
-        fraction, which is met exactly. Exactly one is given. A negative rate expands, to a packing fraction.
+    def compress(self, rate: ArrayLike | Mapping[float, float], until_pressure: float | None = None,
+                 until_packing_fraction: float | None = None, observers: Iterable[Observer] = ()) -> Simulation:
+        """Let all semi-axes grow as 1 + rate t (Lubachevsky and Stillinger) at kT = 1, to a reduced pressure P V / (n kT), at most 1e12, or
+        to a packing fraction, which is met exactly. Exactly one is given. A negative rate expands: down to a pressure, or to a fraction.
 
-        Velocities are rescaled to kT = 1 every few collisions a body, where the moments of inertia follow the size. The masses stay.
-        Smooth growth pumps energy: the pressure is that at the mean temperature of the interval.
+        rate: one, or a schedule {0: 1e-2, 100: 1e-3, ...} (or pairs): the second takes over when the pressure has first come to 100,
+        counted anew from the sizes of that moment, and so on; it never goes back.
+        Velocities are rescaled to kT = 1 every few collisions a body, where the moments of inertia follow the size, the pressure is
+        measured, and a pressure to come to is noticed. The masses stay. Smooth growth pumps energy: the pressure is that at the mean
+        temperature of the interval. ValueError in words for what cannot be; RuntimeError `Stalled` for what could not go on.
         """
-        rate = checks.real_number("rate", rate, "a growth rate, not zero")
-        if rate == 0:
-            raise ValueError("rate = 0: expected a growth rate, not zero")
+        (_, rate), *slower = rates = checked_rates("rate", rate)
         if (until_pressure is None) == (until_packing_fraction is None):
-            raise ValueError("expected exactly one of until_pressure and until_packing_fraction")
+            raise ValueError(f"until_pressure = {until_pressure}, until_packing_fraction = {until_packing_fraction}: expected exactly one "
+                             "of until_pressure and until_packing_fraction")
         if self.energy == 0:
-            raise ValueError("the bodies are at rest: compression needs a temperature; see edmd.thermalized")
-        check_growth("rate", rate, self.size * self._system.semi_axes.max() * sqrt(self._system.masses.max()))
-        until_time = inf
+            raise ValueError(f"rate = {rate}: the bodies are at rest and compression needs a temperature; see Simulation.thermalize")
+        for _, one in rates:
+            check_growth("rate", one, self.size * self._system.semi_axes.max() * sqrt(self._system.masses.max()))
         if until_pressure is not None:
             until_pressure = checked_pressure(until_pressure)
-            if rate < 0:
-                raise ValueError(f"rate = {rate}: expected a positive rate with until_pressure")
-        else:
-            until_packing_fraction = checks.real_number("until_packing_fraction", until_packing_fraction, "a number between 0 and 1",
-                                                        above=0, below=1)
-            if (until_packing_fraction - self.packing_fraction) * rate <= 0:
-                raise ValueError(f"until_packing_fraction = {until_packing_fraction}: the packing fraction is {self.packing_fraction:.6g} "
-                                 f"and rate = {rate} leads away from it")
-            until_time = self.time + (np.cbrt(until_packing_fraction / self.packing_fraction) - 1) / rate
+        if until_packing_fraction is not None:
+            until_packing_fraction = checked_packing_fraction(until_packing_fraction, self.packing_fraction, rate)
+        self._refuse_in_the_course_of_a_compression()
+        if rate < 0:
+            self._open_contacts()
         self._to_unit_temperature()
         self._begin(observers)
         self._act(epoch.set_growth, rate * self.size)
-        give_up = GIVE_UP if rate > 0 else inf          # bodies that shrink cannot jam, even from contact
+        give_up = GIVE_UP if rate > 0 else 0.0          # bodies that shrink cannot jam, even from contact
+        until_time = self._time_at(until_packing_fraction, rate)
         return self._follow(Course(self.time, self.collisions, until_time, until_pressure=until_pressure or give_up,
-                                   until_packing_fraction=until_packing_fraction, grows=True), observers)
+                                   until_packing_fraction=until_packing_fraction, grows=True, rates=tuple(slower)), observers)
+
+    def rescale(self, temperature: float) -> Simulation:
+        """Multiply all velocities and angular velocities by one factor, so that the temperature is this kT now. -> self.
+
+        The total momentum is multiplied too. The spin that smooth bodies never change (that of spheres, and of bodies of revolution about
+        their axes) stays. ValueError for bodies at rest.
+        """
+        temperature = checks.real_number("temperature", temperature, "a positive number (kT)", above=0)
+        self._refuse_in_the_course_of_a_compression()
+        if self.energy == 0:
+            raise ValueError(f"temperature = {temperature}: the bodies are at rest; expected some velocities (Simulation.thermalize)")
+        self._new_epoch(lambda: epoch.start_epoch(self._world))
+        factor, clock = sqrt(temperature / self.temperature), self._world.clock
+        clock[[HORIZON, REFINE]] /= factor
+        epoch.rescale(self._world, factor, 1.0)
+        return self
+
+    def thermalize(self, temperature: float = 1.0, seed: int | None = None) -> Simulation:
+        """Draw velocities and angular velocities anew from the Maxwell distribution: no total momentum, and exactly this kT. -> self.
+
+        seed: of the draw; by default that of the simulation. The spin that smooth bodies never change stays.
+        """
+        drawn = thermalized(self.system, self.seed if seed is None else checks.natural_number("seed", seed), temperature,
+                            "counted" if self._rough else "drawn")
+        self._refuse_in_the_course_of_a_compression()
+        self._new_epoch(lambda: epoch.start_epoch(self._world))
+        building.set_pace(self._world, drawn.velocities)
+        epoch.set_velocities(self._world, drawn.velocities[self._order], angular_momenta(drawn)[self._order])
+        return self
 
     def resume(self, observers: Iterable[Observer] = ()) -> Simulation:
         """Go on with the run() or compress() during which `save` wrote this state, to where that was to end: bit for bit as if it had never
@@ -306,9 +335,12 @@ class Simulation:
 
     # blocks of events
 
-    def _begin(self, observers):
+    def _refuse_in_the_course_of_a_compression(self):
         if self.course is not None and self.course.grows:
             raise ValueError("the state was saved in the course of a compression; expected resume(), which goes on with it")
+
+    def _begin(self, observers):
+        self._refuse_in_the_course_of_a_compression()
         self._done, self._before, self._last = Interval(), self.begun, Interval()
         view = View(self, Interval())
         for observer in observers:
@@ -319,7 +351,7 @@ class Simulation:
         """A course to its end, with all that begins and ends it but the start of the observers."""
         self.course = course
         try:
-            self._go(course, observers)
+            course = self._go(course, observers)
             jammed = course.until_packing_fraction is not None and not reached(self.time, course.until_time)
             if course.until_packing_fraction is not None and not jammed:
                 self._meet_packing_fraction(course.until_packing_fraction)
@@ -334,24 +366,55 @@ class Simulation:
         for observer in observers:
             observer.finish(View(self, Interval()))
         if jammed:
-            raise ValueError(f"until_packing_fraction = {course.until_packing_fraction}: the bodies jam at {self.packing_fraction:.6f}")
+            raise ValueError(f"until_packing_fraction = {course.until_packing_fraction}: the bodies jam at {self.packing_fraction:.6f}; "
+                             "expected less, or a slower rate")
         return self
 
     def _go(self, course, observers):
-        """Events until a time, a number of collisions or a reduced pressure, in blocks that end where an observer is due."""
+        """Events until the course ends, in blocks that end where an observer is due. -> the course, with the rates still to come."""
         upkeep = self._to_unit_temperature if course.grows else lambda: epoch.start_epoch(self._world)
-        while not (reached(self.time, course.until_time) or self.collisions >= course.until_collisions
-                   or self.means_over(self._last).reduced_pressure >= course.until_pressure):
+        while not self._arrived(course):
             time = min([course.until_time, *(observer.when.next_time() for observer in observers)])
             collisions = min([course.until_collisions, *(observer.when.next_collisions() for observer in observers)])
-            if self._block(time, collisions) == Ended.EPOCH:
+            if self._block(time, collisions) == Ended.EPOCH or self._world.clock[NOW] >= self._longest_epoch():
                 self._last = self._new_epoch(upkeep)
                 self.last_means = self.means_over(self._last)
+                self.course = course = self._slowed(course)
                 for observer in observers:
                     observer.upkeep(View(self, self._last))
             for observer in observers:
                 if observer.when.due(View(self, self._last)):
                     observer.see(View(self, self._last))
+        return course
+
+    def _arrived(self, course):
+        """Whether the course has come to its time, its number of collisions or its reduced pressure."""
+        pressure = self.means_over(self._last).reduced_pressure
+        return (reached(self.time, course.until_time) or self.collisions >= course.until_collisions
+                or (pressure <= course.until_pressure if self._world.clock[GROWTH] < 0 else pressure >= course.until_pressure))
+
+    def _slowed(self, course):
+        """The course, growing on at the rate that the schedule has for the pressure just measured, if it has come to a new one."""
+        rate = None
+        while course.rates and self.last_means.reduced_pressure >= course.rates[0][0]:
+            (_, rate), *left = course.rates
+            course = course._replace(rates=tuple(left))
+        if rate is not None:
+            course = course._replace(until_time=self._time_at(course.until_packing_fraction, rate))
+            self._act(epoch.set_growth, rate * self.size)
+        return course
+
+    def _time_at(self, packing_fraction, rate):
+        """When growth at this rate from now on comes to a packing fraction; inf without one."""
+        return inf if packing_fraction is None else self.time + (np.cbrt(packing_fraction / self.packing_fraction) - 1) / rate
+
+    def _longest_epoch(self):
+        return IDLE * self._world.clock[HORIZON] if self._world.clock[GROWTH] < 0 else inf
+
+    def _open_contacts(self):
+        _, _, f = self.system.contact_functions()
+        if len(f) and sqrt(f.min()) - 1 < OPENED:
+            self._world.clock[SIZE] *= 1 - OPENED
 
     def _new_epoch(self, upkeep):
         """The upkeep that begins a new epoch; -> the sums of the one that ends."""
@@ -361,7 +424,7 @@ class Simulation:
         return interval
 
     def _block(self, until_time, until_collisions):
-        relative = min(until_time - self._world.clock[EPOCH], FOREVER)
+        relative = min(until_time - self._world.clock[EPOCH], self._longest_epoch(), FOREVER)
         limit = np.iinfo(np.int64).max if isinf(until_collisions) else int(until_collisions)
         return self._act(advance_events, relative, limit)
 
@@ -384,15 +447,3 @@ class Simulation:
     def _meet_packing_fraction(self, goal):
         clock = self._world.clock
         clock[SIZE] = np.cbrt(goal / self._system.packing_fraction) - clock[GROWTH] * clock[NOW]
-
-
-def checked_pressure(until_pressure):
-    """A reduced pressure at which a compression can end; ValueError in words."""
-    return checks.real_number("until_pressure", until_pressure, f"a reduced pressure above 1, below {JAMMED:g}", above=1, below=JAMMED)
-
-
-def check_growth(name, rate, longest):
-    """ValueError when the surfaces of bodies with this longest semi-axis (times the root of the mass) would outrun the bodies at kT = 1."""
-    if rate * longest > FASTEST:
-        raise ValueError(f"{name} = {rate}: surfaces would move {rate * longest:.3g} times as fast as the bodies at kT = 1; expected at "
-                         f"most {FASTEST / longest:.3g} for bodies of this size")

@@ -14,6 +14,7 @@ FAINTEST = 1e-14            # approach of a dissipative collision, in units of t
 FAINT_COLLISIONS = 60       # of one pair in a row after which it has collapsed: of e = 0 one is as likely followed by another as not
 FAINT_CHANGE = 20           # what one counts when the last was of another pair: three or four in turn are a collapse of three bodies
 INSTANT_SHARE = 1e-15       # a time that is no progress, in thermal times, of a gas that can collapse
+UNSTEADY = 1e-15            # share of its turning by which the axis of a body of revolution moves at least: it is known no better
 DRIFTED = 1e-16             # share of the energy from which a common drift, the sum of rounding, is taken back
 FOREVER = 1e299             # a time that never comes
 STALL_EVENTS = 10_000       # events without progress of time (plus 100 per body) after which the engine gives up

@@ -326,7 +326,7 @@ def test_resume_of_a_run_that_is_complete_or_going_on(whole, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("override", [
-    "system.packing_fraction=0.95", "stage.1.rate=-0.01", "stage.3.frames={time = 0}", "stage.2.until_packing_fraction=2",
+    "system.packing_fraction=0.95", "stage.1.rate=0", "stage.3.frames={time = 0}", "stage.2.until_packing_fraction=2",
     "stage.0={kind = 'compress', rate = -0.1, until_packing_fraction = 0.4}", "output.file=missing/run.h5md", "system.kind=file",
     "system={kind = 'lattice', packing_fraction = 0.9}", "system={kind = 'crystal', n = 3}", "seed=one", "system.n=1",
 ])

@@ -26,6 +26,7 @@ def a_run() -> np.ndarray:
     edmd.export("run.h5md", "run.xyz", frames=slice(0, None, 5))
     packing = edmd.pack(64, [1, 1, 1.5], rate=1e-2)
     table = edmd.sweep({"system": {"n": 16}}, {"stage.0.rate": [0.1, 0.2]}, "rates")
+    simulation.compress({0: 0.1, 100: 1e-2}, until_pressure=1e3).rescale(2).thermalize(seed=3)
     return packing.system.positions * simulation.compress(0.1, until_packing_fraction=0.5).packing_fraction + table["seed"][0]
 
 
