@@ -30,10 +30,11 @@ validate: .venv/installed-for-tests
 lint: .venv/installed-for-tests
 	$(BIN)/ruff check .
 	$(BIN)/lint-imports
+	$(BIN)/mypy --no-error-summary
 
 docs: .venv/installed-for-docs
-	$(BIN)/mkdocs build --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 
 clean:
 	rm -rf .venv demo cooling boxers robot_arm ccd_equation compression_rates packing_by_aspect_ratio isotropic_to_nematic \
-		equation_of_state crystal_from_ase contacts_of_a_frame build site *.egg-info .pytest_cache .hypothesis .ruff_cache .import_linter_cache
+		equation_of_state crystal_from_ase contacts_of_a_frame build site *.egg-info .pytest_cache .hypothesis .ruff_cache .import_linter_cache .mypy_cache

@@ -6,6 +6,7 @@ draws loads when it is first used.
 """
 
 import importlib
+from typing import TYPE_CHECKING
 
 from analysis.axes import body_axes, three_axes
 from analysis.blocks import block_error, weighted_mean
@@ -36,8 +37,13 @@ from analysis.scattering import StructureFactor, structure_factor
 from analysis.summary import summarize
 from ccd.contacts import contact_numbers, contact_pairs, rattlers
 
+if TYPE_CHECKING:
+    from analysis.curves import plot_compression, plot_curve, read_log
+    from analysis.picture import image, render, render_series
+    from analysis.style import panels
+
 _DRAWING = {"image": "picture", "plot_compression": "curves", "plot_curve": "curves", "read_log": "curves", "render": "picture",
-            "render_series": "picture", "panels": "panels"}
+            "render_series": "picture", "panels": "style"}
 
 __all__ = [
     "BiaxialOrder", "ContactNumbers", "CubaticOrder", "CylindricalDistribution", "EDMDParser", "EDMDReader", "FreeVolumes",

@@ -1,12 +1,16 @@
 """Where does a body point? Unit vectors from orientations."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from ccd import checks
+from ccd.annotations import ArrayLike, Floats
+from ccd.checks import Shape
 from ccd.quaternions import rotation_matrices
 
 
-def body_axes(orientations, semi_axes):
+def body_axes(orientations: ArrayLike, semi_axes: ArrayLike) -> Floats:
     """Direction in the lab of the axis that tells the body's orientation, for each body.
 
     That is the symmetry axis of a spheroid (prolate or oblate), the longest axis when all three differ, and the third axis
@@ -24,13 +28,13 @@ def body_axes(orientations, semi_axes):
     return rotation_matrices(q)[np.arange(len(q)), :, chosen]
 
 
-def three_axes(orientations):
+def three_axes(orientations: ArrayLike) -> Floats:
     """The three principal axes of each body in the lab (n, 3, 3), one a row, in the order of its semi-axes; `orientations` (n, 4)."""
     orientations = checks.unit_quaternions("orientations", orientations, (None, 4), "quaternions (n, 4)")
     return np.swapaxes(rotation_matrices(orientations), 1, 2)
 
 
-def unit_vectors(name, value, shape=(None, 3), what="unit vectors (n, 3)"):
+def unit_vectors(name: str, value: ArrayLike, shape: Shape = (None, 3), what: str = "unit vectors (n, 3)") -> Floats:
     """A float64 array of unit vectors, n >= 1; ValueError in words for anything else."""
     array = checks.real_array(name, value, shape, what)
     lengths = np.linalg.norm(array, axis=-1)

@@ -1,11 +1,14 @@
 """How sure is a mean of values that follow one another? The error by blocks."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from ccd import checks
+from ccd.annotations import Any, ArrayLike
 
 
-def block_error(values):
+def block_error(values: ArrayLike) -> Any:
     """Standard error of the mean of `values` (m,) or (m, ...) along the first axis, where neighbours in the series may be correlated.
 
     Neighbours are averaged in pairs, and pairs again, which takes the correlation away (Flyvbjerg and Petersen, J. Chem. Phys. 91, 461
@@ -26,7 +29,7 @@ def block_error(values):
     return chosen[()]
 
 
-def weighted_mean(sums, weights):
+def weighted_mean(sums: ArrayLike, weights: ArrayLike) -> tuple[Any, Any]:
     """sum(sums) / sum(weights) along the first axis, and its `block_error` to first order; both (m,) or (m, ...).
 
     For means of unequal numbers of pairs, or over unequal times. nan where all weights are zero. Returns (mean, error).

@@ -1,14 +1,22 @@
 """Which lattice do the neighbours of a body remind of? Steinhardt's bond orders, computed by freud (optional: pip install edmd[freud])."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from analysis.frames import ThreadedAnalysis
 from analysis.radial import half_width
 from ccd import checks
+from ccd.annotations import Any, ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
 FLOAT32 = 1e-6                  # relative: distances from freud are no better
 
-def steinhardt_order(positions, cell, l=6, neighbors=12, average=False):
+def steinhardt_order(positions: ArrayLike, cell: ArrayLike, l: int = 6, neighbors: int = 12, average: bool = False) -> tuple[Floats, float]:
     """q_l of every body (n,) and Q_l of the whole, from the directions to each body's `neighbors` nearest centres.
 
     q_l = sqrt(4 pi / (2 l + 1) sum_m |<Y_lm>|^2), the mean over a body's bonds, and over all bonds for Q_l (Steinhardt, Nelson and
@@ -49,10 +57,10 @@ class SteinhardtOrder(ThreadedAnalysis):
 
     SERIES = ("local", "total")
 
-    def __init__(self, atomgroup, l=6, neighbors=12, average=False, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, l: int = 6, neighbors: int = 12, average: bool = False, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         import_freud()
-        self.options = {"l": l, "neighbors": neighbors, "average": average}
+        self.options: dict[str, Any] = {"l": l, "neighbors": neighbors, "average": average}
 
     def _frame(self):
         return steinhardt_order(self.positions, self.cell, **self.options)

@@ -1,13 +1,21 @@
 """Who touches whom, who is held, and how near are the others? The functions of `ccd.contacts` along a trajectory."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from analysis.frames import ThreadedAnalysis
 from ccd import checks
+from ccd.annotations import Any, ArrayLike, Floats
 from ccd.contacts import contact_functions, contact_numbers, contact_pairs, mean_contact_number, rattlers
 
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
-def gaps(positions, orientations, semi_axes, cell, largest=0.1):
+
+def gaps(positions: ArrayLike, orientations: ArrayLike, semi_axes: ArrayLike, cell: ArrayLike, largest: float = 0.1) -> Floats:
     """The gaps mu - 1 < `largest` (m,) between bodies, smallest first; a pair that is near through several images counts for each.
 
     mu, the root of the Perram-Wertheim contact function (J. Comput. Phys. 58, 409 (1985)), is the factor by which both bodies must be
@@ -28,7 +36,7 @@ class ContactNumbers(ThreadedAnalysis):
 
     SERIES = ("contact_numbers", "rattlers", "held", "mean")
 
-    def __init__(self, atomgroup, gap=1e-3, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, gap: float = 1e-3, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         self.gap = gap
 
@@ -50,7 +58,7 @@ class NearContacts(ThreadedAnalysis):
 
     SERIES = ("contacts",)
 
-    def __init__(self, atomgroup, smallest=1e-6, largest=0.1, bins=60, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, smallest: float = 1e-6, largest: float = 0.1, bins: int = 60, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         if not 0 < smallest < largest < np.inf:
             raise ValueError(f"smallest, largest = {smallest}, {largest}: expected 0 < smallest < largest")

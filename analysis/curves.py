@@ -1,19 +1,22 @@
 """How did the pressure and the density go? The dense series of a run as curves."""
 
+from __future__ import annotations
+
 import json
 import os
 
 import numpy as np
 
 from analysis.blocks import weighted_mean
-from analysis.panels import BLUE, ORANGE, panels
 from analysis.reader import PARTICLES, RunFile
+from analysis.style import BLUE, ORANGE, panels, plain_ticks
+from ccd.annotations import AnyPath, Array, ArrayLike
 
 STANDS_STILL = 1e-9             # packing fraction, temperature: a spread below it is rounding
 PRESSURE = r"reduced pressure $PV/nkT$"
 
 
-def read_log(path):
+def read_log(path: AnyPath) -> dict[str, Array]:
     """The dense series of an edmd file.
 
     A dict of arrays (M,), `time`, `collisions`, `packing_fraction`, `reduced_pressure` and the others: the M rows that are whole in all.
@@ -36,25 +39,30 @@ def is_at_rest(packing_fraction):
     return np.ptp(packing_fraction) <= STANDS_STILL
 
 
-def plot_curve(x, y, output, error=None, x_label="", y_label="", x_scale="linear", y_scale="linear"):
+def plot_curve(x: ArrayLike, y: ArrayLike, output: AnyPath, error: ArrayLike | None = None, x_label: str = "", y_label: str = "",
+               x_scale: str = "linear", y_scale: str = "linear") -> str:
     """Draw one result, y (m,) against x (m,), into `output`, with error bars of one standard error where `error` (m,) is given.
 
     As `plot_curve(*[results[name] for name in ("r", "g")], "g.pdf", results.error, "r", "g(r)")`. Scales are those of matplotlib: "linear",
-    "log". Points that are nan are left out, and bars that are nan. Returns the path written.
+    "log", whose axes leave out what is not positive. Points that are nan are left out, and bars that are nan. Returns the path written.
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-    if x.ndim != 1 or x.shape != y.shape or (error is not None and np.shape(error) != x.shape):
-        raise ValueError(f"x, y, error have shapes {x.shape}, {y.shape}, {np.shape(error)}: expected one length (m,)")
+    bars = np.full(x.shape, np.nan) if error is None else np.asarray(error, dtype=float)
+    if x.ndim != 1 or not x.shape == y.shape == bars.shape:
+        raise ValueError(f"x, y, error have shapes {x.shape}, {y.shape}, {bars.shape}: expected one length (m,)")
+    shown = ((x > 0) | (x_scale != "log")) & ((y > 0) | (y_scale != "log"))
+    x, y, bars = x[shown], y[shown], bars[shown]
     figure, axes = panels()
     _curve(axes, x, y, x_label, y_label)
     if error is not None:
-        axes.errorbar(x, y, yerr=error, fmt="none", ecolor=BLUE, elinewidth=0.8, capsize=1.5)
+        axes.errorbar(x, y, yerr=bars, fmt="none", ecolor=BLUE, elinewidth=0.8, capsize=1.5)
     axes.set(xscale=x_scale, yscale=y_scale)
+    plain_ticks(axes)
     figure.savefig(output, dpi=200)
     return os.fspath(output)
 
 
-def plot_compression(path, output, title=True):
+def plot_compression(path: AnyPath, output: AnyPath, title: bool = True) -> str:
     """Draw the course of a run into `output` (a name that ends as any format of matplotlib: .png, .pdf, .svg).
 
     A compression: the packing fraction against time, and the reduced pressure P V / (n kT), on a logarithmic axis, against
@@ -120,6 +128,6 @@ def describe(path):
     shape = " and ".join(kinds) if len(kinds) <= 3 else f"of {len(kinds)} shapes"
     words = [f"{name.replace('_', ' ')} {value:g}" if isinstance(value, float) else f"{name.replace('_', ' ')} {value}"
              for name, value in parameters.items() if isinstance(value, (int, float, str)) and name != "n"]
-    rates = [f"{stage['rate']:g}" for stage in parameters.get("stage", ()) if "rate" in stage]
+    rates = [f"{rate:g}" for stage in parameters.get("stage", ()) if "rate" in stage for rate in np.atleast_2d(stage["rate"])[:, -1]]
     words += [f"growth rate {', '.join(rates)}"] if rates else []
     return ", ".join([f"{len(shapes)} ellipsoids {shape}", *words])

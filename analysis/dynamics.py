@@ -1,16 +1,24 @@
 """How do bodies move and turn in time? Mean squared displacements along and across their axes, and what is left of an orientation."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from analysis.axes import unit_vectors
 from analysis.frames import FrameAnalysis
 from ccd import checks
+from ccd.annotations import Any, Array, ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
 SAME_LAG = 1e-9                 # relative to the whole time: lags that differ by less are one
 AT_ONCE = 200_000               # displacements held in memory at a time
 
 
-def time_lags(times, longest=None, bins=None):
+def time_lags(times: ArrayLike, longest: float | None = None, bins: ArrayLike | None = None) -> list[tuple[float, Array, Array]]:
     """The pairs of frames in groups of equal lag: a list of (lag, first (m,), second (m,)), m pairs t[second] - t[first], by lag, 0 first.
 
     `times` (frames,), growing. Frames at equal intervals give as many groups as frames; others up to one a pair. `bins`, edges of lags that
@@ -38,16 +46,22 @@ def time_lags(times, longest=None, bins=None):
 
 
 def mean_over_lags(groups, n, quantity):
-    """The mean over the pairs of frames of each group and the n bodies of each of the rows that quantity(first, second) has."""
-    means = []
+    """The mean over the pairs of frames of each group and the n bodies of the q rows that quantity(first, second) (q, pairs, n) has.
+
+    -> means (q, m) and their standard errors (q, m), from how the n bodies differ, each a mean over its pairs; nan for a single body.
+    """
+    means, errors = [], []
     for _, first, second in groups:
         parts = max(1, len(first) * n // AT_ONCE)
-        sums = sum(quantity(i, j) for i, j in zip(np.array_split(first, parts), np.array_split(second, parts)))
-        means.append(sums / (len(first) * n))
-    return np.array(means).T
+        sums = sum(quantity(i, j).sum(axis=1) for i, j in zip(np.array_split(first, parts), np.array_split(second, parts)))
+        bodies = sums / len(first)
+        means.append(bodies.mean(axis=1))
+        errors.append(bodies.std(axis=1, ddof=1) / np.sqrt(n) if n > 1 else np.full(len(bodies), np.nan))
+    return np.array(means).T, np.array(errors).T
 
 
-def mean_squared_displacement(positions, axes, times, longest=None, bins=None):
+def mean_squared_displacement(positions: ArrayLike, axes: ArrayLike, times: ArrayLike, longest: float | None = None,
+                              bins: ArrayLike | None = None) -> tuple[Floats, Floats, Floats, Floats]:
     """Mean squared displacement, whole, along and across the axis that each body had at the start of the interval.
 
     <|d|^2>, <(d.u(0))^2> and their difference, the two directions across together, with d = r(t) - r(0), over bodies and time origins.
@@ -55,33 +69,45 @@ def mean_squared_displacement(positions, axes, times, longest=None, bins=None):
     v^2 t^2, in ratio 1 : 2 at equal temperature; once the axis is forgotten 2 D t and 4 D t. A common drift is not taken away. Returns
     (lag (m,), total (m,), parallel (m,), perpendicular (m,)).
     """
+    lags, (total, parallel, perpendicular), _ = squared_displacements(positions, axes, times, longest, bins)
+    return lags, total, parallel, perpendicular
+
+
+def squared_displacements(positions, axes, times, longest, bins):
+    """The lags (m,), `mean_squared_displacement` as rows (3, m), and the standard errors (3, m)."""
     positions = checks.real_array("positions", positions, (None, None, 3), "unwrapped positions (frames, n, 3)")
     axes = unit_vectors("axes", axes, positions.shape, f"unit vectors {positions.shape}")
     groups = groups_of(positions, times, longest, bins)
 
     def squares(first, second):
         moved = positions[second] - positions[first]
-        return np.array([np.sum(moved**2), np.sum(np.sum(moved * axes[first], axis=2)**2)])
+        total, parallel = np.sum(moved**2, axis=2), np.sum(moved * axes[first], axis=2)**2
+        return np.array([total, parallel, total - parallel])
 
-    total, parallel = mean_over_lags(groups, positions.shape[1], squares)
-    return np.array([lag for lag, *_ in groups]), total, parallel, total - parallel
+    return np.array([lag for lag, *_ in groups]), *mean_over_lags(groups, positions.shape[1], squares)
 
 
-def orientational_correlation(axes, times, longest=None, bins=None):
+def orientational_correlation(axes: ArrayLike, times: ArrayLike, longest: float | None = None,
+                              bins: ArrayLike | None = None) -> tuple[Floats, Floats, Floats]:
     """C1 = <u(0).u(t)> and C2 = <P2(u(0).u(t))>, P2(x) = (3 x^2 - 1) / 2: what is left of an orientation after a time.
 
     1 at first, 0 when it is forgotten (in a nematic, the square of the order). C1 tells the two ends of a body apart, C2 does not.
     `axes` (frames, n, 3) unit vectors, `times` (frames,); groups of lags as `time_lags`. Returns (lag (m,), c1 (m,), c2 (m,)).
     """
+    lags, (c1, c2), _ = axis_correlations(axes, times, longest, bins)
+    return lags, c1, c2
+
+
+def axis_correlations(axes, times, longest, bins):
+    """The lags (m,), `orientational_correlation` as rows (2, m), and the standard errors (2, m)."""
     axes = unit_vectors("axes", axes, (None, None, 3), "unit vectors (frames, n, 3)")
     groups = groups_of(axes, times, longest, bins)
 
     def legendre(first, second):
         cosine = np.sum(axes[first] * axes[second], axis=2)
-        return np.array([np.sum(cosine), np.sum(1.5 * cosine**2 - 0.5)])
+        return np.array([cosine, 1.5 * cosine**2 - 0.5])
 
-    c1, c2 = mean_over_lags(groups, axes.shape[1], legendre)
-    return np.array([lag for lag, *_ in groups]), c1, c2
+    return np.array([lag for lag, *_ in groups]), *mean_over_lags(groups, axes.shape[1], legendre)
 
 
 def groups_of(frames, times, longest, bins):
@@ -95,45 +121,52 @@ def groups_of(frames, times, longest, bins):
 
 
 class LagAnalysis(FrameAnalysis):
-    """Frames are gathered (all stay in memory), and lags between them averaged at the end, in the groups of `time_lags`."""
+    """Frames are gathered (all stay in memory), and lags between them averaged at the end, in the groups of `time_lags`.
 
-    def __init__(self, atomgroup, longest=None, bins=None, **kwargs):
+    MEANS: their names, in `results` each (m,) and, as NAME_error, its standard error (m,).
+    """
+
+    MEANS: tuple[str, ...] = ()
+
+    def __init__(self, atomgroup: AtomGroup, longest: float | None = None, bins: ArrayLike | None = None, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         self.longest, self.bins = longest, bins
 
-    def _gathered(self):
+    def _conclude(self):
         super()._conclude()
-        return [self.results.pop(name) for name in self.SERIES]
+        gathered = [self.results.pop(name) for name in self.SERIES]
+        self.results.lag, means, errors = self._over_lags(*gathered, self.times, self.longest, self.bins)
+        for name, mean, error in zip(self.MEANS, means, errors, strict=True):
+            self.results[name], self.results[f"{name}_error"] = mean, error
 
 
 class MeanSquaredDisplacement(LagAnalysis):
     """Mean squared displacements of the atoms: `MeanSquaredDisplacement(u.atoms).run()`.
 
     `results.lag`, `results.total`, `results.parallel`, `results.perpendicular` (m,), as `mean_squared_displacement` of the unwrapped
-    positions in float64 about the `body_axes`. MDAnalysis' `EinsteinMSD` gives the total in float32, after `analysis.unwrap`.
+    positions in float64 about the `body_axes`; `results.total_error` and so on (m,): standard errors over the bodies, each a mean over its
+    time origins (what neighbours have in common makes them a little too small). MDAnalysis' `EinsteinMSD` gives the total in float32, after
+    `analysis.unwrap`.
     """
 
     SERIES = ("positions", "axes")
+    MEANS = ("total", "parallel", "perpendicular")
+    _over_lags = staticmethod(squared_displacements)
 
     def _frame(self):
         return self.atomgroup.unwrapped_positions, self.axes
-
-    def _conclude(self):
-        results = mean_squared_displacement(*self._gathered(), self.times, self.longest, self.bins)
-        self.results.lag, self.results.total, self.results.parallel, self.results.perpendicular = results
 
 
 class OrientationalCorrelation(LagAnalysis):
     """Orientational correlation functions of the atoms: `OrientationalCorrelation(u.atoms).run()`.
 
-    `results.lag`, `results.c1`, `results.c2` (m,), as `orientational_correlation` of the `body_axes`.
+    `results.lag`, `results.c1`, `results.c2` (m,), as `orientational_correlation` of the `body_axes`; `results.c1_error` and
+    `results.c2_error` (m,): standard errors over the bodies, each a mean over its time origins.
     """
 
     SERIES = ("axes",)
+    MEANS = ("c1", "c2")
+    _over_lags = staticmethod(axis_correlations)
 
     def _frame(self):
         return (self.axes,)
-
-    def _conclude(self):
-        results = orientational_correlation(*self._gathered(), self.times, self.longest, self.bins)
-        self.results.lag, self.results.c1, self.results.c2 = results

@@ -1,10 +1,23 @@
 """Frame by frame: what the analyses here share. Each frame is answered by itself, so MDAnalysis may spread frames over processes."""
 
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from typing import TYPE_CHECKING
+
 import numpy as np
+from MDAnalysis.analysis.backends import BackendBase, BackendMultiprocessing
 from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.analysis.results import ResultsGroup
 
 from analysis.axes import body_axes
+from ccd.annotations import Any, Floats
+
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
 
 class FrameAnalysis(AnalysisBase):
@@ -15,14 +28,14 @@ class FrameAnalysis(AnalysisBase):
     of files of other programs they are MDAnalysis' float32.
     """
 
-    SERIES = ()
+    SERIES: tuple[str, ...] = ()
     _analysis_algorithm_is_parallelizable = True
 
     @classmethod
-    def get_supported_backends(cls):
+    def get_supported_backends(cls) -> tuple[str, ...]:
         return ("serial", "multiprocessing", "dask")
 
-    def __init__(self, atomgroup, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, **kwargs: Any) -> None:
         super().__init__(atomgroup.universe.trajectory, **kwargs)
         self.atomgroup = atomgroup
 
@@ -42,36 +55,50 @@ class FrameAnalysis(AnalysisBase):
             self.results[name] = np.array(self.results[name])
 
     @property
-    def positions(self):
+    def positions(self) -> Floats:
         data = self._ts.data
         return data["position"][self.atomgroup.ix] if "position" in data else self.atomgroup.positions.astype(float)
 
     @property
-    def cell(self):
+    def cell(self) -> Floats:
         return cell_of(self._ts)
 
     @property
-    def bodies(self):
+    def bodies(self) -> tuple[Floats, Floats, Floats]:
         """Positions (n, 3), orientations (n, 4) and semi-axes (n, 3)."""
         return self.positions, self.atomgroup.orientations, self.atomgroup.semi_axes
 
     @property
-    def axes(self):
+    def axes(self) -> Floats:
         """The body axes in the lab (n, 3)."""
         return body_axes(self.atomgroup.orientations, self.atomgroup.semi_axes)
 
 
 class ThreadedAnalysis(FrameAnalysis):
-    """A FrameAnalysis whose function keeps all cores busy by threads: serial over the frames.
+    """A FrameAnalysis whose function keeps all cores busy by threads: processes gain where much of a frame's work is outside them.
 
-    MDAnalysis' processes are forks, and a fork of a process whose threads have run never comes back.
+    MDAnalysis' "multiprocessing" forks, and a fork of a process whose threads have run never comes back: its processes start afresh here,
+    as those of "dask" do anyway.
     """
 
-    _analysis_algorithm_is_parallelizable = False
+    def _configure_backend(self, *args, **kwargs):
+        backend = super()._configure_backend(*args, **kwargs)
+        return FreshProcesses(backend.n_workers) if isinstance(backend, BackendMultiprocessing) else backend
 
-    @classmethod
-    def get_supported_backends(cls):
-        return ("serial",)
+
+class FreshProcesses(BackendBase):
+    """Processes that begin with nothing of this one, and share the cores between them."""
+
+    def apply(self, func: Callable, computations: list) -> list:
+        threads = max(1, (os.cpu_count() or 1) // self.n_workers)
+        with ProcessPoolExecutor(self.n_workers, get_context("spawn"), share_cores, (threads,)) as pool:
+            return list(pool.map(func, computations))
+
+
+def share_cores(threads):
+    import numba
+
+    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
 
 
 def cell_of(ts):

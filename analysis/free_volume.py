@@ -1,15 +1,23 @@
 """How much room is left near jamming? The free-volume equation of state, and the room of each body in its cage."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from analysis.frames import ThreadedAnalysis
 from ccd import Status, batch, checks
+from ccd.annotations import Any, ArrayLike, Floats
 from ccd.culling import near_pairs
+
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
 AT_ONCE = 200_000               # flights computed at a time
 
 
-def jamming_point(packing_fraction, reduced_pressure, above=100.0):
+def jamming_point(packing_fraction: ArrayLike, reduced_pressure: ArrayLike, above: float = 100.0) -> tuple[float, float]:
     """The packing fraction at which the pressure diverges, and the number f of the law, from the points of a compression.
 
     P V / (n kT) = f / (1 - phi / phi_J) near jamming (Salsburg and Wood, J. Chem. Phys. 37, 798 (1962)): f is the number of degrees of
@@ -30,7 +38,8 @@ def jamming_point(packing_fraction, reduced_pressure, above=100.0):
     return float(jammed), float(width / (slope * jammed))
 
 
-def free_volumes(positions, orientations, semi_axes, cell, reach=0.5, directions=500):
+def free_volumes(positions: ArrayLike, orientations: ArrayLike, semi_axes: ArrayLike, cell: ArrayLike, reach: float = 0.5,
+                 directions: int = 500) -> Floats:
     """The volume (n,) that the centre of each body can see while all others, and its own orientation, stay as they are.
 
     The integral of s^3 / 3 over all directions, with s the way to the first contact by `ccd`'s certified shoot: the whole free volume of
@@ -77,7 +86,7 @@ class FreeVolumes(ThreadedAnalysis):
 
     SERIES = ("volumes",)
 
-    def __init__(self, atomgroup, reach=0.5, directions=500, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, reach: float = 0.5, directions: int = 500, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         self.reach, self.directions = reach, directions
 

@@ -1,9 +1,17 @@
 """How well do the bodies agree on directions? Nematic, biaxial and cubatic order (definitions: docs/analysis.md)."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from analysis.axes import three_axes, unit_vectors
 from analysis.frames import FrameAnalysis
+from ccd.annotations import Any, ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
 PLANES = ((0, 1), (1, 2), (2, 0))
 TURNS = 40                      # cap of the sweeps of plane turns; about five are used
@@ -11,13 +19,13 @@ TURNED = 1e-12                  # radians: the turn below which a frame has arri
 STARTS = 12                     # bodies whose axes are tried as a first guess of the cubatic frame
 
 
-def nematic_tensor(axes):
+def nematic_tensor(axes: ArrayLike) -> Floats:
     """Q = <3 u u - 1> / 2 of the unit vectors `axes` (n, 3): symmetric, traceless, the same for u and -u. Returns (3, 3)."""
     axes = unit_vectors("axes", axes)
     return 1.5 * axes.T @ axes / len(axes) - 0.5 * np.eye(3)
 
 
-def nematic_order(axes):
+def nematic_order(axes: ArrayLike) -> tuple[float, Floats]:
     """Order parameter and director of the unit vectors `axes` (n, 3).
 
     The order parameter is the largest eigenvalue of Q, and the director its eigenvector (Eppenga and Frenkel, Mol. Phys. 52, 1303
@@ -29,7 +37,7 @@ def nematic_order(axes):
     return float(values[-1]), signed(vectors[:, -1])
 
 
-def biaxial_order(orientations):
+def biaxial_order(orientations: ArrayLike) -> tuple[float, float, Floats, int]:
     """Do bodies with three different axes agree on all of them? `orientations` (n, 4), scalar first.
 
     With Q^aa = <3 a a - 1> / 2 for each body axis a: z is the body axis whose Q has the largest eigenvalue, the uniaxial order, and Z
@@ -54,7 +62,7 @@ def signed(vector):
     return vector * np.sign(vector[np.argmax(np.abs(vector))])
 
 
-def cubatic_order(axes):
+def cubatic_order(axes: ArrayLike) -> tuple[float, Floats]:
     """Do bodies lie along three perpendicular directions, whichever of them? Order and the directions, rows (3, 3).
 
     `axes` (n, 3): one unit vector a body, or (n, 3, 3): its three axes, one a row (`three_axes`). With F(N) the mean over all axes u of
@@ -129,7 +137,7 @@ class CubaticOrder(FrameAnalysis):
 
     SERIES = ("order", "directions")
 
-    def __init__(self, atomgroup, all_axes=False, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, all_axes: bool = False, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         self.all_axes = all_axes
 

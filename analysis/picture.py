@@ -1,25 +1,36 @@
 """What does the packing look like? A picture for a paper, by exact rays, without a display."""
 
+from __future__ import annotations
+
 import itertools
 import os
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import MDAnalysis as mda
 import numpy as np
 from matplotlib.image import imsave
+from numpy.typing import NDArray
 from PIL import Image
 
 from analysis import colours
 from analysis.raycasting import draw_bodies, draw_segment, empty_map, surfaces
 from analysis.shading import GLOSS, develop, frame_towards, light_on, visible_samples
+from ccd.annotations import AnyPath, ArrayLike, Floats
 from ccd.contacts import contact_numbers, contact_pairs, rattlers
+
+if TYPE_CHECKING:
+    from MDAnalysis import Universe
 
 RAYS = 3  # rays a side of a pixel
 MARGIN = 1.03
 EDGE_SHADE = 0.02
 VIEW = (0.42, -1.0, 0.36)
+Bodies = tuple[Floats, Floats, Floats]  # positions (n, 3), orientations (n, 4), semi-axes (n, 3)
 
 
-def render(source, output, frame=-1, colour="orientation", size=(900, 900), view=VIEW, cell=True, contact_gap=1e-5):
+def render(source: AnyPath | Universe, output: AnyPath, frame: int = -1, colour: str = "orientation", size: tuple[int, int] = (900, 900),
+           view: ArrayLike = VIEW, cell: bool = True, contact_gap: float = 1e-5) -> str:
     """Draw one frame of a run into a PNG file.
 
     `source` is the path of an edmd file, or a Universe of one, whose current frame stays as it is; `frame` its number,
@@ -29,13 +40,14 @@ def render(source, output, frame=-1, colour="orientation", size=(900, 900), view
     periodic cell. Every body is drawn whole, its center inside the cell. Returns the path written. ValueError for any other
     colour, a frame that is not there, a size below one pixel or a view of length zero.
     """
-    (scene,) = scenes(source, [frame], colour, cell, contact_gap)
-    imsave(output, image(*scene, size, view))
+    ((bodies, paint, box),) = scenes(source, [frame], colour, cell, contact_gap)
+    imsave(output, image(bodies, paint, box, size, view))
     return os.fspath(output)
 
 
-def render_series(source, output, frames=None, colour="orientation", size=(900, 900), view=VIEW, cell=True, contact_gap=1e-5,
-                  per_second=25):
+def render_series(source: AnyPath | Universe, output: AnyPath, frames: Iterable[int] | None = None, colour: str = "orientation",
+                  size: tuple[int, int] = (900, 900), view: ArrayLike = VIEW, cell: bool = True, contact_gap: float = 1e-5,
+                  per_second: float = 25) -> list[str]:
     """Draw frames of a run as a movie, all from one camera that has every one of them in its picture.
 
     `output`: a name that ends in .gif, a movie of `per_second` pictures a second that repeats itself, in 256 colours; or a folder, made
@@ -48,7 +60,7 @@ def render_series(source, output, frames=None, colour="orientation", size=(900, 
     window = None
     for bodies, _, box in scenes(source, frames, colour, cell, contact_gap):
         window = joined(window, window_of(bodies, box, view))
-    pictures = (image(*scene, size, view, window) for scene in scenes(source, frames, colour, cell, contact_gap))
+    pictures = (image(bodies, paint, box, size, view, window) for bodies, paint, box in scenes(source, frames, colour, cell, contact_gap))
     if os.fspath(output).lower().endswith(".gif"):
         first, *others = map(in_256_colours, pictures)
         first.save(output, save_all=True, append_images=others, duration=1000 / per_second, loop=0)
@@ -99,7 +111,8 @@ def body_colours(colour, atoms, data, contact_gap):
     return colours.orientation_colours(data["orientation"], data["semi_axes"])
 
 
-def image(bodies, paint, cell=None, size=(900, 900), view=VIEW, window=None):
+def image(bodies: Bodies, paint: Floats, cell: ArrayLike | None = None, size: tuple[int, int] = (900, 900),
+          view: ArrayLike = VIEW, window: tuple[Floats, Floats] | None = None) -> NDArray[np.uint8]:
     """The picture of ellipsoids as sRGB bytes (height, width, 3), on white, in parallel projection.
 
     `bodies` are (positions (n, 3), orientations (n, 4) scalar first, semi_axes (n, 3)); `paint` (n, 3) linear RGB; `cell`
@@ -134,7 +147,7 @@ def camera_of(view):
     return frame_towards(view, up=(0.0, 0.0, 1.0))
 
 
-def window_of(bodies, cell, view):
+def window_of(bodies: Bodies, cell, view):
     """The part of the view that bodies and cell take up: (lowest (2,), highest (2,))."""
     camera = camera_of(view)
     seen = surfaces(*bodies, camera)

@@ -1,14 +1,17 @@
 """What are pressure and temperature in equilibrium, and how sure is that? Means of a run's dense series, with errors by blocks."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from analysis.blocks import weighted_mean
 from analysis.curves import interval_starts, is_at_rest, read_log
+from ccd.annotations import AnyPath
 
 MEANS = ("pressure", "reduced_pressure", "temperature", "collision_rate")
 
 
-def mean_pressure(path, start=-np.inf, stop=np.inf):
+def mean_pressure(path: AnyPath, start: float = -np.inf, stop: float = np.inf) -> dict[str, tuple[float, float]]:
     """Means of a run at constant packing fraction over the times from `start` to `stop`, from the log of its edmd file.
 
     Returns a dict: "pressure" P, "reduced_pressure" P V / (n kT), "temperature" kT and "collision_rate" (per body and time), each a pair
@@ -26,4 +29,5 @@ def mean_pressure(path, start=-np.inf, stop=np.inf):
         raise ValueError(f"start, stop = {start}, {stop}: between them the packing fraction of {path} goes from {density.min()} to "
                          f"{density.max()}; means need one that stands still")
     duration = (log["time"] - before)[counts]
-    return {name: tuple(map(float, weighted_mean(log[name][counts] * duration, duration))) for name in MEANS}
+    means = {name: weighted_mean(log[name][counts] * duration, duration) for name in MEANS}
+    return {name: (float(mean), float(error)) for name, (mean, error) in means.items()}

@@ -1,5 +1,9 @@
 """How many neighbours stand at which distance, in which direction, and how are they turned? Pair distributions of the centres."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from analysis.axes import unit_vectors
@@ -7,12 +11,16 @@ from analysis.blocks import block_error, weighted_mean
 from analysis.frames import FrameAnalysis, cell_of
 from analysis.order import nematic_order
 from ccd import checks
+from ccd.annotations import Any, ArrayLike, Floats
 from ccd.culling import near_pairs
+
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
 CORNER = np.sqrt(2)             # from the middle to the rim of a cylinder whose radius and half height are 1
 
 
-def radial_distribution(positions, cell, r_max, bins=100):
+def radial_distribution(positions: ArrayLike, cell: ArrayLike, r_max: float, bins: int = 100) -> tuple[Floats, Floats]:
     """g(r) of the centres of bodies in a periodic cell.
 
     `positions` (n, 3), n >= 2; `cell` (3, 3), rows are the cell vectors, of any shape; `r_max` at most half the smallest
@@ -27,7 +35,8 @@ def radial_distribution(positions, cell, r_max, bins=100):
     return middles(edges), counts / expected_pairs(len(positions), cell, shells)
 
 
-def orientational_pair_correlation(positions, axes, cell, r_max, bins=100):
+def orientational_pair_correlation(positions: ArrayLike, axes: ArrayLike, cell: ArrayLike, r_max: float,
+                                   bins: int = 100) -> tuple[Floats, Floats]:
     """g2(r) = <P2(u_i . u_j)> over the pairs whose centres are r apart: how parallel neighbours are.
 
     P2(x) = (3 x^2 - 1) / 2: 1 parallel, -1/2 perpendicular, 0 at random; far apart it tends to the square of the nematic order (in a
@@ -50,7 +59,8 @@ def second_legendre_sums(positions, axes, cell, edges):
     return np.histogram(distance, bins=edges)[0], np.histogram(distance, bins=edges, weights=legendre)[0]
 
 
-def cylindrical_distribution(positions, cell, director, r_max, bins=50):
+def cylindrical_distribution(positions: ArrayLike, cell: ArrayLike, director: ArrayLike, r_max: float,
+                             bins: int = 50) -> tuple[Floats, Floats]:
     """g(z, rho): pairs at a distance z along a director and rho across it, both up to `r_max`, in `bins` equal steps each.
 
     Normalised as `radial_distribution`, by the volume of each ring (z and -z). `director` (3,) a unit vector; `r_max` times sqrt(2), the
@@ -58,7 +68,7 @@ def cylindrical_distribution(positions, cell, director, r_max, bins=50):
     along the first axis; `along` and `across` are its means over the other.
     """
     positions, cell = checked(positions, cell, r_max, CORNER)
-    director = unit_vectors("director", [director], (1, 3), "a unit vector of three numbers")[0]
+    director = unit_vectors("director", np.asarray(director)[None], (1, 3), "a unit vector of three numbers")[0]
     edges = equal_steps(r_max, bins)
     separation = near_pairs(positions, cell, CORNER * r_max)[2]
     z = separation @ director
@@ -68,18 +78,18 @@ def cylindrical_distribution(positions, cell, director, r_max, bins=50):
     return middles(edges), counts / expected_pairs(len(positions), cell, rings)
 
 
-def along(g):
+def along(g: Floats) -> Floats:
     """g(z), of pairs in the whole cross-section rho < r_max: the mean of g(z, rho) (..., bins, bins) by area. Layers are peaks of it."""
     bins = g.shape[-1]
     return g @ (np.diff(np.arange(bins + 1.0)**2) / bins**2)
 
 
-def across(g):
+def across(g: Floats) -> Floats:
     """g(rho), of pairs in the whole height |z| < r_max: the mean of g(z, rho) (..., bins, bins) by height. Columns are peaks of it."""
     return g.mean(axis=-2)
 
 
-def checked(positions, cell, r_max, reach=1.0):
+def checked(positions: ArrayLike, cell: ArrayLike, r_max: float, reach: float = 1.0) -> tuple[Floats, Floats]:
     """Positions and cell as arrays; ValueError where there are no pairs, or a pair could count twice within reach * r_max."""
     positions = checks.real_array("positions", positions, (None, 3), "an array (n, 3)")
     cell = checks.cell_vectors("cell", cell)
@@ -118,7 +128,7 @@ class PairAnalysis(FrameAnalysis):
 
     REACH = 1.0
 
-    def __init__(self, atomgroup, r_max=None, bins=100, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, r_max: float | None = None, bins: int = 100, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         self.r_max = half_width(cell_of(atomgroup.universe.trajectory.ts)) / self.REACH if r_max is None else r_max
         self.edges = equal_steps(self.r_max, bins)
@@ -174,7 +184,8 @@ class CylindricalDistribution(PairAnalysis):
     SERIES = ("g",)
     REACH = CORNER
 
-    def __init__(self, atomgroup, r_max=None, bins=50, director=None, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, r_max: float | None = None, bins: int = 50, director: ArrayLike | None = None,
+                 **kwargs: Any) -> None:
         super().__init__(atomgroup, r_max, bins, **kwargs)
         self.director = director
 

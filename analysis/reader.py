@@ -4,7 +4,10 @@ MDAnalysis learns a format when the class that reads it is defined, so `import a
 docs/file_format.md.
 """
 
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING
 
 import numpy as np
 from MDAnalysis.coordinates.core import triclinic_box
@@ -13,6 +16,11 @@ from MDAnalysis.core.topology import Topology
 from MDAnalysis.core.topologyattrs import AtomAttr, Atomids, Atomtypes, Masses
 from MDAnalysis.exceptions import NoDataError
 from MDAnalysis.topology.base import TopologyReaderBase
+
+from ccd.annotations import Any, AnyPath
+
+if TYPE_CHECKING:
+    from MDAnalysis.coordinates.timestep import Timestep
 
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 FORMAT = 1                      # the newest edmd.attrs["format"] that is understood here
@@ -128,7 +136,7 @@ def unwrapped(ts):
         raise NoDataError("unwrapped_positions: these frames have no images, they are not of an edmd file") from None
 
 
-def unwrap(ts):
+def unwrap(ts: Timestep) -> Timestep:
     """A transformation of MDAnalysis: `universe.trajectory.add_transformations(analysis.unwrap)` gives unwrapped `atoms.positions`.
 
     For MDAnalysis' own EinsteinMSD, and whatever follows a body through the cell's faces. Float32, as all `atoms.positions`.
@@ -137,7 +145,7 @@ def unwrap(ts):
     return ts
 
 
-unwrap.parallelizable = True                # each frame by itself: MDAnalysis asks before it spreads frames over processes
+unwrap.parallelizable = True                # type: ignore[attr-defined]  # each frame by itself: MDAnalysis asks before it spreads frames over processes
 
 
 class EDMDParser(TopologyReaderBase):
@@ -149,7 +157,7 @@ class EDMDParser(TopologyReaderBase):
     format = "EDMD"
     _format_hint = staticmethod(is_edmd_file)
 
-    def parse(self, **kwargs):
+    def parse(self, **kwargs: Any) -> Topology:
         """The Topology; ValueError where the file has no frame yet, or is of a newer format than this reader knows."""
         with RunFile(os.fspath(self.filename)) as file:
             written = int(file["edmd"].attrs["format"])
@@ -169,7 +177,7 @@ class EDMDParser(TopologyReaderBase):
 class EDMDReader(H5MDReader):
     """The frames of an edmd file.
 
-    As the stock reader, and besides: any suffix; a path may be a Path; a file that is still being written opens too, with the
+    As the stock reader, and besides: any suffix; a path may be a str or a Path; a file that is still being written opens too, with the
     frames that are whole by then; `dt` is the first interval between frames (1.0 when there is one frame; `ts.time` is exact
     for each); `ts.data["cell"]` (3, 3) holds the cell vectors as rows in full precision, `ts.data["position"]` (n, 3) the
     positions. A frame is read when it is asked for (the first on opening). The datasets are looked up once, which makes it
@@ -179,19 +187,19 @@ class EDMDReader(H5MDReader):
     format = "EDMD"
     _format_hint = staticmethod(is_edmd_file)
 
-    def __init__(self, filename, **kwargs):
+    def __init__(self, filename: AnyPath, **kwargs: Any) -> None:
         path = os.fspath(filename)
         kwargs.setdefault("dt", first_interval(path))
         super().__init__(path, **kwargs)
 
-    def open_trajectory(self):
+    def open_trajectory(self) -> Any:
         self._frame = -1
         self._file = RunFile(self.filename)
         self._particle_group = self._file[PARTICLES]
         self._find_datasets()
 
     @property
-    def n_frames(self):
+    def n_frames(self) -> int:
         """Whole frames in the file when it was opened."""
         return self._n_frames
 

@@ -1,16 +1,24 @@
 """Which density waves are in the arrangement of the centres? The static structure factor."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from analysis.blocks import weighted_mean
 from analysis.frames import FrameAnalysis
 from analysis.radial import equal_steps
 from ccd import checks
+from ccd.annotations import Any, ArrayLike, Floats
+
+if TYPE_CHECKING:
+    from MDAnalysis import AtomGroup
 
 AT_ONCE = 4_000_000             # products of two waves held in memory at a time
 
 
-def structure_factor(positions, cell, k_max):
+def structure_factor(positions: ArrayLike, cell: ArrayLike, k_max: float) -> tuple[Floats, Floats]:
     """S(k) = |sum_j exp(-i k.r_j)|^2 / n of bodies in a periodic cell, for every wave vector k of the cell with 0 < |k| <= k_max.
 
     `positions` (n, 3); `cell` (3, 3), rows are the cell vectors a_i, of any shape. The wave vectors are those with k.a_i = 2 pi times a
@@ -50,7 +58,7 @@ class StructureFactor(FrameAnalysis):
 
     SERIES = ("waves", "lengths", "sums")
 
-    def __init__(self, atomgroup, k_max, bins=100, **kwargs):
+    def __init__(self, atomgroup: AtomGroup, k_max: float, bins: int = 100, **kwargs: Any) -> None:
         super().__init__(atomgroup, **kwargs)
         self.k_max, self.edges = k_max, equal_steps(k_max, bins)
 

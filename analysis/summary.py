@@ -1,13 +1,16 @@
 """What is in this file? The numbers that a person asks first."""
 
+from __future__ import annotations
+
 import MDAnalysis as mda
 import numpy as np
 
 from analysis.contacts import ContactNumbers
 from analysis.order import NematicOrder
+from ccd.annotations import Any, AnyPath
 
 
-def summarize(path, gap=1e-3):
+def summarize(path: AnyPath, gap: float = 1e-3) -> dict[str, Any]:
     """A dict about the run in an edmd file, read through an MDAnalysis Universe and about its last frame unless said.
 
     `frames`, `bodies`, `time`, `collisions` so far, `packing_fraction` by volumes in the cell, `reduced_pressure` P V / (n

@@ -1,11 +1,16 @@
 """Arrays of pairs, on all cores."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from ccd import blocks, checks, flight_blocks, separation, top_contact
+from ccd.annotations import ArrayLike, Floats
 from ccd.characteristic import UNCERTAIN, decided_state
 from ccd.compiling import parallel_kernel
 from ccd.tolerances import SHARP
@@ -21,13 +26,18 @@ class Bodies:
     t = 0. Without them each turns at its constant angular velocity.
     """
 
-    semi_axes: np.ndarray
-    center: np.ndarray
-    orientation: np.ndarray
-    velocity: np.ndarray = None
-    angular_velocity: np.ndarray = None
-    growth_rate: np.ndarray = None
-    moments: np.ndarray = None
+    semi_axes: Floats
+    center: Floats
+    orientation: Floats
+    velocity: Floats = None                 # type: ignore[assignment]
+    angular_velocity: Floats = None         # type: ignore[assignment]
+    growth_rate: Floats = None              # type: ignore[assignment]
+    moments: Floats | None = None
+
+    if TYPE_CHECKING:               # what may be given; the fields say what it becomes
+        def __init__(self, semi_axes: ArrayLike, center: ArrayLike, orientation: ArrayLike, velocity: ArrayLike | None = ...,
+                     angular_velocity: ArrayLike | None = ..., growth_rate: ArrayLike | None = ...,
+                     moments: ArrayLike | None = ...) -> None: ...
 
     def __post_init__(self):
         center = checks.real_array("center", self.center, (None, 3), "an array (n, 3)")
@@ -55,9 +65,12 @@ class Bodies:
 class AffineBodies:
     """n affine poses as arrays, as `ccd.AffineEllipsoid`: semi_axes (n, 3) or (3,) for all, linear (n, 3, 3), translation (n, 3)."""
 
-    semi_axes: np.ndarray
-    linear: np.ndarray
-    translation: np.ndarray
+    semi_axes: Floats
+    linear: Floats
+    translation: Floats
+
+    if TYPE_CHECKING:               # what may be given; the fields say what it becomes
+        def __init__(self, semi_axes: ArrayLike, linear: ArrayLike, translation: ArrayLike) -> None: ...
 
     def __post_init__(self):
         translation = checks.real_array("translation", self.translation, (None, 3), "an array (n, 3)")
@@ -70,11 +83,11 @@ class AffineBodies:
         return len(self.translation)
 
     @property
-    def center(self):
+    def center(self) -> Floats:
         return self.translation
 
     @property
-    def semi_axis_vectors(self):
+    def semi_axis_vectors(self) -> Floats:
         """(n, 3, 3): columns are where the three semi-axes of each body go."""
         return self.linear * self.semi_axes[:, None, :]
 
@@ -85,7 +98,7 @@ def _semi_axes(value, n):
     return checks.semi_axes("semi_axes", value, (n, 3), f"({n}, 3) positive lengths")
 
 
-def state(bodies_a, bodies_b):
+def state(bodies_a: Bodies | AffineBodies, bodies_b: Bodies | AffineBodies) -> NDArray[np.int8]:
     """State (n,) int8 of the pairs (a[k], b[k]), by Theorem 1 of the paper: +1 separate, 0 touching, -1 overlapping. Motion is ignored.
 
     bodies_a, bodies_b: both Bodies or both AffineBodies. The same answers as `ccd.state`, and the same ArithmeticError.
@@ -101,7 +114,7 @@ def state(bodies_a, bodies_b):
     return states
 
 
-def contact_function(bodies_a, bodies_b):
+def contact_function(bodies_a: Bodies, bodies_b: Bodies) -> Floats:
     """The contact function f (n,) of the pairs (a[k], b[k]), eq. (1): > 1 apart, 1 touching, < 1 overlapping. Motion is ignored.
 
     bodies_a, bodies_b: both Bodies or both AffineBodies. nan where float64 cannot hold the pencil parameter (sizes some 1e20 apart).
@@ -116,7 +129,7 @@ def contact_function(bodies_a, bodies_b):
     return f
 
 
-def first_contact(bodies_a, bodies_b, t_max=1.0):
+def first_contact(bodies_a: Bodies, bodies_b: Bodies, t_max: float = 1.0) -> tuple[Floats, NDArray[np.int8]]:
     """First contacts of the pairs (a[k], b[k]) in free flight within [0, t_max]. -> time (n,), inf for none, and status (n,) int8.
 
     All cores share the pairs; `numba.set_num_threads(1)` makes it serial. Every pair gives the same bits whatever the number of threads,

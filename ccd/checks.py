@@ -1,15 +1,22 @@
 """Bad input in words: each check returns the value as the library wants it, or raises ValueError that names the argument."""
 
+from __future__ import annotations
+
 import operator
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ccd.annotations import Any, Floats, Span
+
+Shape = tuple[int | None, ...]
 UNIT = 1e-15
+SHORT = 12                   # elements of an array that a message shows in full
 SINGULAR = 1e-14             # ratio of singular values, some 50 roundings
 
 
 
-def real_array(name, value, shape, what):
+def real_array(name: str, value: Any, shape: Shape, what: str) -> Floats:
     """A C-contiguous float64 copy of the wanted shape (None: any length), all finite."""
     try:
         array = np.array(value, dtype=np.float64, order="C")
@@ -17,26 +24,33 @@ def real_array(name, value, shape, what):
         raise ValueError(f"{name} = {value!r}: expected {what}") from None
     if array.ndim != len(shape) or any(want is not None and have != want for have, want in zip(array.shape, shape)):
         raise ValueError(f"{name} has shape {array.shape}: expected {what}")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} = {value!r}: expected finite numbers")
+    _everywhere(name, value, array, np.isfinite(array), "finite numbers")
     return array
 
 
-def semi_axes(name, value, shape=(3,), what="three positive lengths"):
+def _everywhere(name: str, value: Any, array: Floats, fine: NDArray[np.bool_], what: str) -> None:
+    """ValueError for the first element of an array that is not fine; a short array is shown as it was given."""
+    if fine.all():
+        return
+    if array.size <= SHORT:
+        raise ValueError(f"{name} = {value!r}: expected {what}")
+    where = tuple(np.argwhere(~fine)[0].tolist())
+    raise ValueError(f"{name}[{', '.join(map(str, where))}] = {array[where]}: expected {what}")
+
+
+def semi_axes(name: str, value: Any, shape: Shape = (3,), what: str = "three positive lengths") -> Floats:
     array = real_array(name, value, shape, what)
-    if not (array > 0).all():
-        raise ValueError(f"{name} = {value!r}: every semi-axis must be positive")
+    _everywhere(name, value, array, array > 0, "positive semi-axes")
     return array
 
 
-def principal_moments(name, value, shape=(3,), what="three positive moments of inertia"):
+def principal_moments(name: str, value: Any, shape: Shape = (3,), what: str = "three positive moments of inertia") -> Floats:
     array = real_array(name, value, shape, what)
-    if not (array > 0).all():
-        raise ValueError(f"{name} = {value!r}: every moment of inertia must be positive")
+    _everywhere(name, value, array, array > 0, "positive moments of inertia")
     return array
 
 
-def unit_quaternions(name, value, shape=(4,), what="a quaternion (w, x, y, z)"):
+def unit_quaternions(name: str, value: Any, shape: Shape = (4,), what: str = "a quaternion (w, x, y, z)") -> Floats:
     """Quaternions made unit; zero ones are refused."""
     array = real_array(name, value, shape, what)
     length = np.sqrt((array * array).sum(axis=-1, keepdims=True))
@@ -45,7 +59,8 @@ def unit_quaternions(name, value, shape=(4,), what="a quaternion (w, x, y, z)"):
     return np.where(abs(length - 1) < UNIT, array, array / length)          # what is unit already keeps its bits
 
 
-def real_number(name, value, what="a number", above=-np.inf, at_least=-np.inf, below=np.inf, at_most=np.inf):
+def real_number(name: str, value: Any, what: str = "a number", above: float = -np.inf, at_least: float = -np.inf, below: float = np.inf,
+                at_most: float = np.inf) -> float:
     """A finite float; `above` and `below` are open bounds, `at_least` and `at_most` are closed."""
     try:
         number = float(value)
@@ -56,7 +71,7 @@ def real_number(name, value, what="a number", above=-np.inf, at_least=-np.inf, b
     return number
 
 
-def time_span(name, value):
+def time_span(name: str, value: Any) -> Span:
     """(start, end) with start < end."""
     start, end = real_array(name, value, (2,), "two finite times (start, end)").tolist()
     if not start < end:
@@ -64,7 +79,7 @@ def time_span(name, value):
     return start, end
 
 
-def cell_vectors(name, value):
+def cell_vectors(name: str, value: Any) -> Floats:
     """A periodic cell (3, 3): rows that span a volume."""
     cell = real_array(name, value, (3, 3), "three cell vectors as rows (3, 3)")
     if not abs(np.linalg.det(cell)) > 0:
@@ -72,7 +87,7 @@ def cell_vectors(name, value):
     return cell
 
 
-def linear_map(name, value, shape=(3, 3), what="a matrix (3, 3)"):
+def linear_map(name: str, value: Any, shape: Shape = (3, 3), what: str = "a matrix (3, 3)") -> Floats:
     """Matrices (3, 3) that float64 can tell from singular ones."""
     matrices = real_array(name, value, shape, what)
     sizes = np.linalg.svd(matrices, compute_uv=False).reshape(-1, 3)
@@ -83,7 +98,7 @@ def linear_map(name, value, shape=(3, 3), what="a matrix (3, 3)"):
     return matrices
 
 
-def natural_number(name, value):
+def natural_number(name: str, value: Any) -> int:
     """An integer from 0 on, such as a seed."""
     try:
         number = operator.index(value)

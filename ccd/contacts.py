@@ -1,8 +1,12 @@
 """Contacts among many bodies in a periodic cell: contact functions of the close pairs, contact numbers, rattlers."""
 
+from __future__ import annotations
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ccd import batch, checks
+from ccd.annotations import ArrayLike
 from ccd.culling import close_pairs
 
 CONTACTS_TO_BE_HELD = 4         # d + 1: with fewer, the contact normals of a body cannot balance
@@ -26,7 +30,8 @@ def contact_functions(positions, orientations, semi_axes, cell, gap=0.0):
     return first, second, f
 
 
-def contact_pairs(positions, orientations, semi_axes, cell, gap=1e-3):
+def contact_pairs(positions: ArrayLike, orientations: ArrayLike, semi_axes: ArrayLike, cell: ArrayLike,
+                  gap: float = 1e-3) -> NDArray[np.int64]:
     """Pairs of bodies in contact (m, 2): those that would touch if both grew by a factor of at most 1 + gap.
 
     That factor is mu, the root of the Perram-Wertheim contact function (J. Comput. Phys. 58, 409 (1985)), and mu - 1 < gap is a contact;
@@ -38,12 +43,12 @@ def contact_pairs(positions, orientations, semi_axes, cell, gap=1e-3):
     return np.column_stack([first[touching], second[touching]])
 
 
-def contact_numbers(pairs, n):
+def contact_numbers(pairs: ArrayLike, n: int) -> NDArray[np.int64]:
     """Contacts (n,) of each of n bodies, from the (m, 2) `pairs` of `contact_pairs`; a contact with an own image counts twice."""
     return np.bincount(np.asarray(pairs, dtype=np.int64).ravel(), minlength=n)
 
 
-def rattlers(pairs, n):
+def rattlers(pairs: ArrayLike, n: int) -> NDArray[np.bool_]:
     """Which of n bodies (n,) nothing holds.
 
     Bodies with fewer than d + 1 = 4 contacts are taken away until none is left, since taking one away may free another: the usual rule

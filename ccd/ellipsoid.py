@@ -1,11 +1,15 @@
 """The ellipsoid: shape and pose, quadric, volume, inertia."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ccd import checks
+from ccd.annotations import ArrayLike, Floats
 from ccd.quaternions import rotation_matrices
 
 
@@ -16,9 +20,12 @@ class Ellipsoid:
     Quaternions need not be unit. ValueError names what is not finite, not positive or of the wrong shape.
     """
 
-    semi_axes: np.ndarray
-    center: np.ndarray = (0.0, 0.0, 0.0)
-    orientation: np.ndarray = (1.0, 0.0, 0.0, 0.0)
+    semi_axes: Floats
+    center: Floats = (0.0, 0.0, 0.0)        # type: ignore[assignment]
+    orientation: Floats = (1.0, 0.0, 0.0, 0.0)        # type: ignore[assignment]
+
+    if TYPE_CHECKING:               # what may be given; the fields say what it becomes
+        def __init__(self, semi_axes: ArrayLike, center: ArrayLike = ..., orientation: ArrayLike = ...) -> None: ...
 
     def __post_init__(self):
         for name, value in (("semi_axes", checks.semi_axes("semi_axes", self.semi_axes)),
@@ -28,22 +35,22 @@ class Ellipsoid:
             object.__setattr__(self, name, value)
 
     @property
-    def rotation_matrix(self):
+    def rotation_matrix(self) -> Floats:
         """(3, 3): columns are the body axes in the lab frame."""
         return rotation_matrices(self.orientation[None])[0]
 
     @property
-    def semi_axis_vectors(self):
+    def semi_axis_vectors(self) -> Floats:
         """(3, 3): columns run from the centre to the surface along the body axes, in the lab frame."""
         return self.rotation_matrix * self.semi_axes
 
     @property
-    def shape_matrix(self):
+    def shape_matrix(self) -> Floats:
         """(3, 3), X = R diag(a^2) R^T: the surface is (x - c)^T X^-1 (x - c) = 1."""
         return self.semi_axis_vectors @ self.semi_axis_vectors.T
 
     @property
-    def quadric(self):
+    def quadric(self) -> Floats:
         """(4, 4), A with the surface (x, 1) A (x, 1)^T = 0 and the inside negative (paper, Sec. 2)."""
         s = self.rotation_matrix / self.semi_axes
         top = s @ s.T
@@ -54,10 +61,10 @@ class Ellipsoid:
         return quadric
 
     @property
-    def volume(self):
+    def volume(self) -> float:
         return 4 * pi / 3 * self.semi_axes.prod()
 
-    def inertia(self, mass=1.0):
+    def inertia(self, mass: float = 1.0) -> Floats:
         """Principal moments (3,) of the solid body of uniform density."""
         mass = checks.real_number("mass", mass, "a positive number", above=0)
         squares = self.semi_axes**2
@@ -72,9 +79,12 @@ class AffineEllipsoid:
     wrong shape.
     """
 
-    semi_axes: np.ndarray
-    linear: np.ndarray
-    translation: np.ndarray = (0.0, 0.0, 0.0)
+    semi_axes: Floats
+    linear: Floats
+    translation: Floats = (0.0, 0.0, 0.0)        # type: ignore[assignment]
+
+    if TYPE_CHECKING:               # what may be given; the fields say what it becomes
+        def __init__(self, semi_axes: ArrayLike, linear: ArrayLike, translation: ArrayLike = ...) -> None: ...
 
     def __post_init__(self):
         for name, value in (("semi_axes", checks.semi_axes("semi_axes", self.semi_axes)),
@@ -84,10 +94,13 @@ class AffineEllipsoid:
             object.__setattr__(self, name, value)
 
     @property
-    def center(self):
+    def center(self) -> Floats:
         return self.translation
 
     @property
-    def semi_axis_vectors(self):
+    def semi_axis_vectors(self) -> Floats:
         """(3, 3): columns are where the three semi-axes of the body go: from the centre to the surface, not at right angles in general."""
         return self.linear * self.semi_axes
+
+
+AnyEllipsoid = Ellipsoid | AffineEllipsoid

@@ -1,11 +1,14 @@
 """The CCD equation of two moving ellipsoids, and its solution (paper, Sec. 3)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ccd import checks
+from ccd.annotations import Any, ArrayLike, Floats, Span
 from ccd.answers import Contact, Interval
 from ccd.bernstein import binomials
 from ccd.bezier_shoot import best_certificate, recursive_shoot, state_of
@@ -13,7 +16,7 @@ from ccd.ellipsoid import Ellipsoid
 from ccd.grid import condition, degrees, empty_grid, empty_work, fill_grid, quartic, touch
 from ccd.intervals import PIECES, STACK, separation_intervals, tangent_instant
 from ccd.intervals import empty_work as loop_work
-from ccd.motion import AffineInterpolant, AffineMotion, FreeFlight, RationalMotion, approximate_flight
+from ccd.motion import AffineInterpolant, AffineMotion, FreeFlight, Motion, RationalMotion, approximate_flight
 from ccd.motion.tensors import Tensors
 from ccd.status import State, Status
 from ccd.tolerances import CONDITION, CONTACT_EXCESS, EXTREME, HALVINGS
@@ -32,7 +35,8 @@ class CCDEquation:
     polynomial that vanishes, a map that is singular. ArithmeticError where float64 cannot hold F (sizes some 1e40 apart).
     """
 
-    def __init__(self, a, motion_a, b, motion_b, t_span=(0.0, 1.0), degree="minimal"):
+    def __init__(self, a: Ellipsoid, motion_a: Motion, b: Ellipsoid, motion_b: Motion, t_span: Span = (0.0, 1.0),
+                 degree: str = "minimal") -> None:
         self.t_span = start, end = checks.time_span("t_span", t_span)
         if degree not in ("minimal", "paper"):
             raise ValueError(f"degree = {degree!r}: expected 'minimal' or 'paper'")
@@ -44,27 +48,27 @@ class CCDEquation:
                 part.grid = self._raise(part.grid, part)
 
     @property
-    def minimal_degree_t(self):
+    def minimal_degree_t(self) -> int:
         """Degree of F in t after cancelling common factors, eq. (23)."""
         return self.minimal.shape[1] - 1
 
     @cached_property
-    def degree_t(self):
+    def degree_t(self) -> int:
         """Degree of F in t as the paper counts it, eq. (24)."""
         affine = sum(6 * motion.degree for _, _, motion in self._bodies if not isinstance(motion, RationalMotion))
         return max(self.minimal_degree_t + len(self._paper_factor(self._whole)) - 1, affine)
 
     @cached_property
-    def minimal(self):
+    def minimal(self) -> Floats:
         """F (5, minimal_degree_t + 1) after cancelling common factors."""
         return _quartic(_grid(self._whole.a, self._whole.b))
 
     @cached_property
-    def bernstein(self):
+    def bernstein(self) -> Floats:
         """The paper's F (5, degree_t + 1)."""
         return _quartic(self._raise(_grid(self._whole.a, self._whole.b), self._whole))
 
-    def __call__(self, u, t):
+    def __call__(self, u: ArrayLike, t: ArrayLike) -> Any:
         """F at u and t, arrays that broadcast: the polynomial of `bernstein`."""
         from scipy.interpolate import BPoly  # here, because it takes longer to import than everything else together
 
@@ -73,9 +77,9 @@ class CCDEquation:
         basis = [choose * u**i * (1 - u)**(4 - i) for i, choose in enumerate((1, 4, 6, 4, 1))]
         return sum(rows[..., i] * basis[i] for i in range(5))
 
-    def contact_intervals(self):
+    def contact_intervals(self) -> list[Interval]:
         """All maximal separation and overlapping intervals in order of time (paper, Sec. 3.2). -> list of Interval"""
-        pieces = []                                         # [start, end, State], end to end over the time span
+        pieces: list[list[Any]] = []                                  # [start, end, State], end to end over the time span
         for part in self._parts:
             here = part.pieces()
             if pieces and pieces[-1][2] == here[0][2]:
@@ -88,7 +92,7 @@ class CCDEquation:
         return [Interval(start, end, State(state), np.array(points[k]), np.array(points[k + 1]))
                 for k, (start, end, state) in enumerate(pieces)]
 
-    def first_contact(self):
+    def first_contact(self) -> Contact:
         """The first contact by recursive Bézier shoots (paper, Sec. 3.3). -> Contact, as from ccd.first_contact"""
         shoots = 0
         for k, part in enumerate(self._parts):
@@ -123,7 +127,8 @@ class CCDEquation:
         if not (1 / EXTREME < grid[0, 0] < EXTREME and 1 / EXTREME < grid[3, 0] < EXTREME):     # nor nan
             sizes = " and ".join(str(body.semi_axes.tolist()) for _, body, _ in self._bodies)
             raise ArithmeticError(f"double precision cannot hold the equation of bodies of such sizes: {sizes}")
-        return _Part(start, width, *tensors, grid)
+        first, second = tensors
+        return _Part(start, width, first, second, grid)
 
     def _well_conditioned(self, part, halvings):
         """The span cut into parts on which the terms of F do not cancel by more than CONDITION."""

@@ -1,10 +1,13 @@
 """Do two ellipsoids at rest overlap, and where do they touch: Section 2 of the paper, for rigid and for affine poses."""
 
+from __future__ import annotations
+
 import numpy as np
 
+from ccd.annotations import Floats
 from ccd.characteristic import UNCERTAIN, aspect_ratio, decided_state, polynomial
 from ccd.compiling import kernel
-from ccd.ellipsoid import AffineEllipsoid, Ellipsoid
+from ccd.ellipsoid import AffineEllipsoid, AnyEllipsoid, Ellipsoid
 from ccd.rotation import body_axes
 from ccd.separation import contact_function, relative_pose
 from ccd.status import State
@@ -12,7 +15,7 @@ from ccd.tolerances import SHARP, TOUCHING_POINT
 from ccd.vectors import subtract
 
 
-def state(a, b):
+def state(a: AnyEllipsoid, b: AnyEllipsoid) -> State:
     """Are two ellipsoids at rest separate, touching or overlapping? (Theorem 1 of the paper; eqs. (16) to (18).)
 
     a, b: Ellipsoid or AffineEllipsoid. TOUCHING: the contact function (1) is within 1e-12 of 1, as `separation` has it; within that band,
@@ -29,7 +32,7 @@ def state(a, b):
     return State(found)
 
 
-def characteristic_polynomial(a, b):
+def characteristic_polynomial(a: AnyEllipsoid, b: AnyEllipsoid) -> Floats:
     """The coefficients (5,) of f(lambda) = det(lambda A - M_A^T M_B^-T B M_B^-1 M_A), highest power first (paper, Sec. 2.1, Appendix A).
 
     A = diag(1 / a^2, 1 / b^2, 1 / c^2, -1), B likewise, and M_A, M_B carry the canonical frames of a and b (Ellipsoid or AffineEllipsoid)
@@ -40,7 +43,7 @@ def characteristic_polynomial(a, b):
     return coefficients / a.semi_axes.prod() ** 2
 
 
-def contact_point(a, b):
+def contact_point(a: AnyEllipsoid, b: AnyEllipsoid) -> Floats:
     """Where two touching ellipsoids touch (3,): the null vector of lambda_0 A - B at the double root lambda_0 (paper, Theorem 2).
 
     a, b: Ellipsoid or AffineEllipsoid. ValueError where the contact function is further than 1e-6 from 1. Within that distance the point

@@ -1,14 +1,19 @@
 """What one asks about one pair of ellipsoids."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from ccd.annotations import Span
 from ccd.answers import Contact, Separation
 from ccd.checks import time_span
 from ccd.compiling import kernel
 from ccd.ellipsoid import Ellipsoid
 from ccd.equation import CCDEquation
 from ccd.first_contact import free_flight_contact
-from ccd.motion import FreeFlight
+from ccd.motion import FreeFlight, Motion
 from ccd.quaternions import products, rotations
 from ccd.rotation import body_axes
 from ccd.separation import contact_function, contact_point, normal, relative_pose, semi_axis_vectors, shape_matrix, support
@@ -16,6 +21,9 @@ from ccd.status import State, Status
 from ccd.tolerances import SHARP, SHOOT_STEPS, TOUCHING_STATE
 from ccd.top_contact import at_time, free_top_contact
 from ccd.vectors import dot, subtract
+
+if TYPE_CHECKING:
+    from ccd.answers import Interval
 
 
 @kernel
@@ -30,7 +38,7 @@ def _separation(semi_axes_a, center_a, orientation_a, semi_axes_b, center_b, ori
     return converged, f, gap, n, contact_point(center_a, s_a, r, s_b, n), odds / (1 + odds)
 
 
-def separation(a, b):
+def separation(a: Ellipsoid, b: Ellipsoid) -> Separation:
     """State, contact function, gap, normal and contact point of two ellipsoids at rest (Perram and Wertheim; eqs. (1) to (4)).
 
     Concentric ellipsoids have no normal: contact function 0, gap minus infinity, normal and point nan. ArithmeticError where float64
@@ -47,7 +55,7 @@ def separation(a, b):
     return Separation(state, f, gap, np.array(n), np.array(point), x)
 
 
-def first_contact(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
+def first_contact(a: Ellipsoid, motion_a: Motion, b: Ellipsoid, motion_b: Motion, t_span: Span = (0.0, 1.0)) -> Contact:
     """The first contact of two moving ellipsoids within t_span. -> Contact
 
     a, b: Ellipsoid. Both in FreeFlight or at Rest(), from their own poses at t = 0: by the certified shoot (docs/theory.md, section 2),
@@ -80,7 +88,7 @@ def _reason(status, time, steps):
     return f"no decision after {steps} steps of the shoot, which have come to time {time}; the bodies do not touch before"
 
 
-def contact_intervals(a, motion_a, b, motion_b, t_span=(0.0, 1.0)):
+def contact_intervals(a: Ellipsoid, motion_a: Motion, b: Ellipsoid, motion_b: Motion, t_span: Span = (0.0, 1.0)) -> list[Interval]:
     """All maximal intervals of separation and of overlap of two ellipsoids within t_span (paper, Sec. 3.2, Algorithms 1 to 3).
 
     Arguments as for `CCDEquation`. -> list of Interval, end to end over t_span.

@@ -1,12 +1,15 @@
 """The first contact between two groups of ellipsoids within a frame, with culling and a running bound on its time (paper, Sec. 4.1)."""
 
-from dataclasses import dataclass
+from __future__ import annotations
+
+from dataclasses import dataclass, field
 from enum import IntEnum
 from math import inf, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from ccd.annotations import Floats
 from ccd.batch import Bodies
 from ccd.bezier_shoot import recursive_shoot
 from ccd.compiling import kernel
@@ -76,6 +79,7 @@ class Group:
 
     start: Bodies
     end: Bodies
+    rows: Floats = field(init=False, repr=False)            # of each: semi-axes, poses at the start and at the end
 
     def __post_init__(self):
         for name in ("start", "end"):
@@ -91,13 +95,14 @@ class Group:
     def __len__(self):
         return len(self.start)
 
-    def motion(self, k):
+    def motion(self, k: int) -> RationalMotion:
         """The rigid interpolant of one body, t from 0 to 1."""
         row = self.rows[k]
         return RationalMotion(np.stack([row[6:10], row[13:17] - row[6:10]], axis=1), np.stack([row[3:6], row[10:13] - row[3:6]], axis=1))
 
 
-def first_contact(group_a, group_b, interpolant="rigid", planes=None, running_bound=True):
+def first_contact(group_a: Group, group_b: Group, interpolant: str = "rigid", planes: bool | None = None,
+                  running_bound: bool = True) -> FrameContact:
     """The earliest contact between a body of one group and a body of the other within a frame (paper, Sec. 4.1). -> FrameContact
 
     interpolant: how bodies move in between: "rigid" (linear quaternion curve and translation) or "affine" (Appendix D, relative to the
@@ -118,7 +123,8 @@ def first_contact(group_a, group_b, interpolant="rigid", planes=None, running_bo
     space = _space(len(group_a), len(group_b), rigid)
     time, pair, point, normal = _frame(group_a.rows, group_b.rows, (rigid, planes, bool(running_bound)), outcomes, times, space)
     tally = np.bincount(outcomes.ravel(), minlength=len(Outcome)).tolist()
-    counts = Counts(outcomes.size, *tally[:3], sum(tally[3:]), tally[Outcome.CONTACT])
+    apart, held, overlapping, *solved = tally
+    counts = Counts(outcomes.size, apart, held, overlapping, sum(solved), tally[Outcome.CONTACT])
     return FrameContact(_status(time, pair, outcomes, times), time, pair, np.array(point), np.array(normal), counts, outcomes, times)
 
 

@@ -5,11 +5,11 @@ import importlib
 __version__ = "0.1.0"
 
 _HOMES = {"System": "system", "Simulation": "simulation", "Stalled": "stall", "lattice": "initial", "from_ase": "initial",
-          "random_system": "initial", "thermalized": "initial", "pack": "packing", "Packing": "packing", "Trajectory": "trajectory",
-          "read_system": "exchange", "export": "exchange", "run": "runs", "resume": "runs", "read_config": "config",
+          "random_system": "initial", "thermalized": "velocities", "pack": "packing", "Packing": "packing", "Trajectory": "trajectory",
+          "read_system": "exchange", "export": "exchange", "run": "runs", "resume": "runs", "RunComplete": "runs", "read_config": "config",
           "config_text": "config", "Observer": "observers", "Schedule": "observers", "Every": "observers", "Logarithmic": "observers",
-           "Milestones": "observers", "sweep": "sweeps.campaign", "random_points": "sweeps.design", "Elastic": "rules.kinds",
-           "Inelastic": "rules.kinds", "Viscoelastic": "rules.kinds", "PowerLaw": "rules.kinds", "Rough": "rules.kinds"}
+          "Milestones": "observers", "sweep": "sweeps.campaign", "random_points": "sweeps.design", "Elastic": "rules.kinds",
+          "Inelastic": "rules.kinds", "Viscoelastic": "rules.kinds", "PowerLaw": "rules.kinds", "Rough": "rules.kinds"}
 __all__ = ["__version__", *_HOMES]
 
 

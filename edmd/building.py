@@ -40,9 +40,6 @@ def build_world(system, rule):
     _check_cell(system, longest.max())
     clock = np.zeros(state.CLOCK_ROW)
     clock[state.SIZE] = 1.0
-    speed = np.sqrt((system.velocities**2).sum(axis=1).mean())
-    clock[state.HORIZON] = kinds[kind, state.MARGIN_LENGTH].mean() / speed if speed > 0 else 1e300
-    clock[state.REFINE] = REFINE_BELOW * clock[state.HORIZON] if speed > 0 else 0.0
     clock[state.ROUNDING] = np.finfo(float).eps * np.abs(system.box).sum()
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
@@ -50,6 +47,7 @@ def build_world(system, rule):
     world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
                   _grid(system), _cells(system, kinds, kind), _calendar(n), clock, tally, contacts, np.zeros(COLUMNS),
                   np.zeros(state.WATCHED_ROOM, dtype=np.int32))
+    set_pace(world, system.velocities)
     clock[state.ENERGY] = kinetic_energy(world)
     mass, drift = mean_velocity(world)
     if 0.5 * mass * np.dot(drift, drift) > DRIFTED * clock[state.ENERGY]:           # or it is rounding
@@ -61,6 +59,14 @@ def build_world(system, rule):
     world = _packed(world)
     reschedule_all(world)
     return world
+
+
+def set_pace(world, velocities):
+    """How far ahead bounds look, and when planes are renewed, before any collision has told the mean free time. velocities: (n, 3)."""
+    clock, speed = world.clock, np.sqrt((velocities**2).sum(axis=1).mean())
+    margins = world.kinds[world.bodies[:, state.KIND].astype(int), state.MARGIN_LENGTH]
+    clock[state.HORIZON] = margins.mean() / speed if speed > 0 else 1e300
+    clock[state.REFINE] = REFINE_BELOW * clock[state.HORIZON] if speed > 0 else 0.0
 
 
 def with_room(world, action, *arguments):

@@ -97,7 +97,7 @@ def _beside(layers, height, f, layer):
 
 @kernel
 def scan(cells, grid, level, at, position, radius, found):
-    """Add the bodies of a cell, or of an image of it, whose neighbourhoods overlap one of this radius to the hits. -> how many there are."""
+    """Add to the hits the bodies of a cell, or of an image of it, whose neighbourhoods overlap one of this radius. -> how many hits."""
     layers = cells.levels[level]
     i, shift_i = _wrapped(at[0], layers[0])
     j, shift_j = _wrapped(at[1], layers[1])

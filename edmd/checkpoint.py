@@ -8,34 +8,45 @@ from edmd.simulation import Simulation
 
 
 class Moments(Schedule):
-    """When: after so many seconds of wall time, and at once when `stop` was called. The first moment is the first there is."""
+    """When: so many seconds of wall time after the last one, which `done` tells, and at once when `stop` was called."""
 
     def __init__(self, seconds):
-        self._seconds, self._last, self.stopped = seconds, -float("inf"), False
+        self._seconds, self.stopped = seconds, False
+        self.done()
 
     def stop(self, *_):
         self.stopped = True
 
     def due(self, view):
-        if not self.stopped and time.monotonic() - self._last < self._seconds:
-            return False
+        return self.stopped or time.monotonic() - self._last >= self._seconds
+
+    def done(self):
         self._last = time.monotonic()
-        return True
 
 
 class Checkpoint(Observer):
-    """Saves a simulation in the course of a stage, with the memories of its observers. It must be the last of them: the others have then
-    seen the moment. `stop` ends the run at the next moment with a KeyboardInterrupt, after a last checkpoint."""
+    """Saves a simulation before a stage and in its course, with the memories of its observers, of which the trajectory is the first. It
+    must be the last of all: the others have then seen the moment. `stop` ends the run at the next moment with a KeyboardInterrupt, after a
+    last checkpoint."""
 
-    def __init__(self, path, seconds, simulation, observers):
+    def __init__(self, path, seconds, simulation, observers, stage=0):
         super().__init__(Moments(seconds))
-        self.path, self.stage = Path(path), 0
+        self.path, self.stage = Path(path), stage
         self._simulation, self._observers = simulation, observers
 
+    def before(self, stage):
+        """A checkpoint from which this stage begins."""
+        self.stage = stage
+        self._save()
+
     def see(self, view):
+        self._save()
+
+    def _save(self):
         self._simulation.save(self.path, {"stage": self.stage, "memories": [observer.memory() for observer in self._observers]})
+        self.when.done()
         if self.when.stopped:
-            raise KeyboardInterrupt(f"edmd resume goes on from {self.path}")
+            raise KeyboardInterrupt(f"edmd resume {self._observers[0].path} goes on from its checkpoint, {self.path}")
 
     def stop(self, *_):
         """End the run at the next moment; can be the handler of a signal."""
@@ -43,7 +54,7 @@ class Checkpoint(Observer):
 
 
 def read_checkpoint(path):
-    """-> the Simulation in the course of its stage, the number of that stage, and the memories of the observers."""
+    """-> the Simulation before its stage or in the course of it, the number of that stage, and the memories of the observers."""
     simulation = Simulation.load(path)
     try:
         return simulation, simulation.notes["stage"], simulation.notes["memories"]

@@ -1,12 +1,16 @@
 """The command line. Everything heavy is imported by the command that needs it: `edmd --help` answers at once."""
 
 import argparse
+import os
 import sys
 import time
 
 import edmd
 
 PICTURES = (".png", ".jpg", ".tif", ".pdf")
+JAMMED = 1e8                    # reduced pressure that counts as jammed, unless a run says another
+CONTACT_GAP = ("relative gap below which two bodies are in contact (default, as for `edmd pack`: 1000 over the reduced pressure at which "
+               "the run ends, at most 0.01; for other runs 1e-5)")
 BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 
 
@@ -14,18 +18,30 @@ def main(arguments=None):
     """Run a command; -> its exit status: 0 done, 1 a check failed, 2 bad input, 130 interrupted."""
     options = _parser().parse_args(arguments)
     try:
-        return options.command(options)
+        status = options.command(options)
+        sys.stdout.flush()
+        return status
     except ValueError as problem:
         print(f"edmd {options.name}: {problem}", file=sys.stderr)
         return BAD_INPUT
+    except BrokenPipeError:                     # who reads, such as `head`, has enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
     except (OSError, RuntimeError) as problem:
-        print(f"edmd {options.name}: {problem}", file=sys.stderr)
+        print(f"edmd {options.name}: {_with_its_file(problem, getattr(options, 'output', None))}", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt as interrupt:
         writes_frames = options.name in ("pack", "run", "resume")
         kept = str(interrupt) or ("frames already written are kept" if writes_frames else "nothing was written")
         print(f"edmd {options.name}: interrupted; {kept}", file=sys.stderr)
         return INTERRUPTED
+
+
+def _with_its_file(problem, output):
+    """A problem in words; a full disk does not say itself which file it had no room for."""
+    if isinstance(problem, OSError) and problem.strerror and problem.filename is None and output:
+        return f"output = {output!r}: {problem.strerror}"
+    return str(problem)
 
 
 class _Help(argparse.ArgumentDefaultsHelpFormatter):
@@ -53,7 +69,7 @@ def _parser():
     pack.add_argument("--fluid-rate", type=float, default=None,
                       help="growth before that (default: 0.01 / (abc)^(1/3), or the rate if that is faster)")
     pack.add_argument("--seed", type=int, default=0, help="seed of the thermal velocities")
-    pack.add_argument("--until-pressure", type=float, default=1e8, help="reduced pressure P V / (n kT) that counts as jammed")
+    pack.add_argument("--until-pressure", type=float, default=JAMMED, help="reduced pressure P V / (n kT) that counts as jammed")
     pack.add_argument("--start-fraction", type=float, default=None, help="packing fraction of the crystal that melts (default: 0.3, or "
                       "less for shapes that do not fit)")
     pack.add_argument("--melt", type=float, default=100.0, help="collisions per particle before the compression")
@@ -91,7 +107,8 @@ def _parser():
 
     info = command("info", _info, "tell what is in a file")
     info.add_argument("file")
-    info.add_argument("--contact-gap", type=float, default=1e-5, help="relative gap below which two bodies are in contact")
+    info.add_argument("--contact-gap", type=float, default=None, help=CONTACT_GAP)
+    info.add_argument("--json", action="store_true", help="for machines: one JSON object, null for what is not known")
 
     verify = command("verify", _verify, "check every frame of a file for overlaps, in double precision")
     verify.add_argument("file")
@@ -109,7 +126,7 @@ def _parser():
                         "OUTPUT is then a folder for pictures 00000.png, 00001.png, ... (default: beside the file, FILE.movie), or a .gif")
     render.add_argument("--per-second", type=float, default=25.0, help="pictures a second in a .gif")
     render.add_argument("--colour", "--color", choices=["orientation", "species", "contacts"], default="orientation")
-    render.add_argument("--contact-gap", type=float, default=1e-5, help="relative gap below which two bodies are in contact")
+    render.add_argument("--contact-gap", type=float, default=None, help=CONTACT_GAP)
     render.add_argument("--size", type=int, nargs=2, default=[900, 900], metavar=("WIDTH", "HEIGHT"), help="in pixels")
 
     export = command("export", _export, "write a run for other programs: extended XYZ (ASE, OVITO), GSD (HOOMD), LAMMPS data or dump")
@@ -168,9 +185,15 @@ def _run(options):
 
 
 def _resume(options):
-    from edmd.runs import resume
+    from edmd.runs import RunComplete, resume
 
-    return _told(options, options.file, resume(options.file, progress=not options.quiet))
+    try:
+        simulation = resume(options.file, progress=not options.quiet)
+    except RunComplete:
+        if not options.quiet:
+            print(f"{options.file}: the run is complete, nothing is left to do")
+        return 0
+    return _told(options, options.file, simulation)
 
 
 def _sweep(options):
@@ -201,30 +224,73 @@ def _told(options, path, simulation):
 
 
 def _info(options):
+    import json
+    from math import isfinite
+
+    import numpy as np
+
     from analysis import summarize
+    from edmd.config import config_text
     from edmd.trajectory import open_run
 
     with open_run(options.file) as file:
-        own = dict(file["edmd"].attrs)
-    summary = summarize(options.file, gap=options.contact_gap)
-    _say({"written by": f"edmd {own['version']}, {own['created']}", "platform": own["platform"], "parameters": own["parameters"],
-          "seed": own["seed"], "rule": own.get("rule", "elastic"), "made elastic (TC)": own.get("contact_time_collisions", 0),
-          "complete": bool(own["complete"]), "frames": summary["frames"], "bodies": summary["bodies"],
+        frames = len(file["particles/trajectory/position/step"])
+        own = {name: value.item() if isinstance(value, np.generic) else value for name, value in file["edmd"].attrs.items()}
+    own |= {name: json.loads(own[name]) for name in ("parameters", "rule") if name in own}
+    gap = _contact_gap(options)
+    summary = summarize(options.file, gap)
+    whole = summary["frames"]
+    if options.json:
+        known = {name: None if isinstance(value, float) and not isfinite(value) else value for name, value in (own | summary).items()}
+        print(json.dumps({"file": options.file, **known, "contact_gap": gap}, indent=1))
+        return 0
+    spared = own.get("contact_time_collisions", 0)
+    try:
+        parameters = config_text(own["parameters"], others=False)
+    except ValueError:                          # a script's own
+        parameters = json.dumps(own["parameters"], indent=1)
+    _say({"written by": f"edmd {own['version']}, {own['created']}", "platform": own["platform"], "seed": own["seed"],
+          "rule": _in_words(own.get("rule", {"kind": "elastic"})),
+          **({"made elastic (TC)": spared} if spared else {}), "complete": "yes" if own["complete"] else "no",
+          "frames": f"{whole} of {frames}: the others are not whole (edmd verify)" if whole < frames else whole,
+          "bodies": summary["bodies"],
           "time": f"{summary['time']:.6g}", "collisions": summary["collisions"], "packing fraction": f"{summary['packing_fraction']:.9f}",
           "reduced pressure": f"{summary['reduced_pressure']:.4g} (since the frame before)",
-          "contacts a body": f"{summary['contact_number']:.3f}",
+          "contacts a body": f"{summary['contact_number']:.3f} (gap below {gap:.1e}; of those that are held)",
           "rattlers": summary["rattlers"], "nematic order": f"{summary['nematic_order']:.4f}"})
+    print(f"\nparameters:\n\n{parameters.rstrip()}")
     return 0
 
 
+def _contact_gap(options):
+    """The gap that was asked for, or one that fits how far the run was compressed."""
+    from edmd.packing import closed_gap
+    from edmd.runs import rebuilt
+
+    if options.contact_gap is not None:
+        return options.contact_gap
+    try:
+        last = rebuilt(options.file)[0].stages[-1]
+    except ValueError:                          # of a script
+        last = None
+    return closed_gap(getattr(last, "until_pressure", None) or JAMMED)
+
+
+def _in_words(rule):
+    return ", ".join(str(value) if name == "kind" else f"{name} {value:g}" for name, value in rule.items())
+
+
 def _verify(options):
+    from math import inf
+
     from edmd.trajectory import verify_file
 
     began = time.process_time()
     frames, smallest, wrong = verify_file(options.file)
     for problem in wrong:
         print(f"edmd verify: {problem}", file=sys.stderr)
-    _say({"frames": frames, "closest pair touches when scaled by": f"1 {smallest - 1:+.3e}", "problems": len(wrong),
+    _say({"frames": frames, "closest pair touches when scaled by": "none was read" if smallest == inf else f"1 {smallest - 1:+.3e}",
+          "problems": len(wrong),
           "seconds": f"{time.process_time() - began:.1f}"})
     return FAILED if wrong else 0
 
@@ -241,7 +307,7 @@ def _render(options):
     if options.frames is not None:
         return _render_series(options)
     return _draw(options, lambda output: render(options.file, output, options.frame, options.colour, tuple(options.size),
-                                                  contact_gap=options.contact_gap))
+                                                  contact_gap=_contact_gap(options)))
 
 
 def _render_series(options):
@@ -264,7 +330,7 @@ def _render_series(options):
     if output.is_dir():
         for picture in output.glob("[0-9][0-9][0-9][0-9][0-9].png"):            # of a longer movie, perhaps
             picture.unlink()
-    written = render_series(options.file, output, frames, options.colour, tuple(options.size), contact_gap=options.contact_gap,
+    written = render_series(options.file, output, frames, options.colour, tuple(options.size), contact_gap=_contact_gap(options),
                             per_second=options.per_second)
     _say({"frames": len(frames), "output": output} | ({} if output.suffix.lower() == ".gif" else {
         "a movie": f"ffmpeg -framerate {options.per_second:g} -i {Path(written[0]).parent}/%05d.png -pix_fmt yuv420p {output}.mp4"}))

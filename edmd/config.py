@@ -7,27 +7,28 @@ edmd/rules; the annotation of a field holds its type, what it means, and the che
 import copy
 import json
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
 from math import inf
 from typing import Annotated, Any, get_type_hints
 
 from ccd import checks
+from ccd.annotations import AnyPath
+from edmd.compression import JAMMED, PRESSURE, checked_rates
 from edmd.initial import LATTICES
 from edmd.observers import Every, Logarithmic, Milestones
 from edmd.rules.kinds import RULES
 from edmd.rules.rule import Rule
-from edmd.simulation import JAMMED
 
 Check = Callable[[str, Any], Any]
 
 
-def _number(what, above=-inf, at_least=-inf, below=inf) -> Check:
+def _number(what, above=-inf, at_least=-inf, below=inf, at_most=inf) -> Check:
     def check(name, value):
         if not isinstance(value, int | float) or isinstance(value, bool):
             raise ValueError(f"{name} = {as_toml(value)}: expected {what}")
-        return checks.real_number(name, value, what, above, at_least, below)
+        return checks.real_number(name, value, what, above, at_least, below, at_most)
     return check
 
 
@@ -71,6 +72,12 @@ def _bodies(name, value):
 def _rows(name, value):
     rows = isinstance(value, list | tuple) and value and isinstance(value[0], list | tuple)
     return (_list_of(_axes, None, "one row of three lengths a species") if rows else _axes)(name, value)
+
+
+def _rates(name, value):
+    if isinstance(value, list | tuple):
+        return checked_rates(name, value)
+    return checked_rates(name, _number("a growth rate, not zero")(name, value))[0][1]
 
 
 def _frames(name, value):
@@ -170,10 +177,11 @@ class Compress:
     """let all semi-axes grow (or shrink) at kT = 1; exactly one of until_packing_fraction, until_pressure"""
 
     kind = "compress"
-    rate: Annotated[float, "the semi-axes grow as 1 + rate t; negative: they shrink", _number("a growth rate")] = 1e-2
+    rate: Annotated[float | tuple, "the semi-axes grow as 1 + rate t; negative: they shrink; [[0, 1e-2], [100, 1e-3]]: 1e-3 from a reduced "
+                                   "pressure of 100 on", _rates] = 1e-2
     until_packing_fraction: Annotated[float | None, "end there, exactly", _fraction] = None
-    until_pressure: Annotated[float | None, "end at this reduced pressure P V / (n kT); 1e8: jammed",
-                              _number(f"a reduced pressure above 1, below {JAMMED:g}", above=1, below=JAMMED)] = None
+    until_pressure: Annotated[float | None, "end at this reduced pressure P V / (n kT), at most 1e12; 1e8: jammed",
+                              _number(PRESSURE, above=1, at_most=JAMMED)] = None
     frames: _Frames = None
 
     one_of = ("until_packing_fraction", "until_pressure")
@@ -215,7 +223,10 @@ DEFAULT = {"stage": [{"kind": "run", "collisions_per_particle": 100.0}, {"kind":
                      {"kind": "run", "collisions_per_particle": 100.0}]}
 
 
-def read_config(source, overrides=()):
+ConfigSource = AnyPath | dict[str, Any] | Config
+
+
+def read_config(source: ConfigSource, overrides: Iterable[str] = ()) -> Config:
     """The Config of a TOML file (its path), of a document (a dict as `tomllib` gives it) or of a Config, with overrides such as
     "system.n=500" or "stage.0.rate=1e-3" (stages count from 0). ValueError says what is wrong, and what would be accepted."""
     document = document_of(source)
@@ -247,16 +258,16 @@ def put(document, path, value):
             place = place[key] if isinstance(place, list) else place.setdefault(key, {})
 
 
-def config_text(document=DEFAULT):
-    """A config as TOML that can be run, with every key, its value and what it means; what is off, and other kinds, as comments."""
+def config_text(document: ConfigSource = DEFAULT, others: bool = True) -> str:
+    """A config as TOML that can be run, with every key, its value and what it means; comments: what is off, and `others`, other kinds."""
     config = read_config(document)
     parts = [f"{f'seed = {config.seed}':<41} # of everything that is drawn at random"]
     parts.append("\n".join(["[system]", *_kind_lines(config.system)]))
-    parts += ["\n".join(["# " + line for line in ["or:  [system]", *_kind_lines(kind())]])
-              for name, kind in SYSTEMS.items() if name != config.system.kind]
+    if others:
+        parts += _alternatives("system", SYSTEMS, config.system)
     parts.append("\n".join(["[rule]", *_kind_lines(config.rule)]))
-    parts += ["\n".join(["# " + line for line in ["or:  [rule]", *_kind_lines(kind())]])
-              for name, kind in RULES.items() if name != config.rule.kind]
+    if others:
+        parts += _alternatives("rule", RULES, config.rule)
     parts += ["\n".join(["[[stage]]", *_kind_lines(stage)]) for stage in config.stages]
     parts.append("\n".join(["[output]", *_lines(config.output)]))
     return "\n\n".join(parts) + "\n"
@@ -336,6 +347,12 @@ def nearest(word, known):
 def _document(section):
     kind = {"kind": section.kind} if hasattr(section, "kind") else {}
     return kind | {item.name: getattr(section, item.name) for item in fields(section)}
+
+
+def _alternatives(name, kinds, chosen):
+    """The sections of all other kinds, as comments."""
+    return ["\n".join(["# " + line for line in [f"or:  [{name}]", *_kind_lines(kind())]]) for kind in kinds.values()
+            if not isinstance(chosen, kind)]
 
 
 def _kind_lines(section):

@@ -68,7 +68,7 @@ def start_epoch(world):
     clock, tally, n = world.clock, world.tally, len(world.bodies)
     now, collisions = clock[NOW], tally[COLLISIONS] - tally[EPOCH_BEGAN]
     collisions -= tally[SPARED] - tally[EPOCH_SPARED]
-    free_time = now * n / (2.0 * collisions) if collisions > 0 else 0.0
+    free_time = now * n / (2.0 * collisions) if collisions > 0 else now if now > clock[HORIZON] else 0.0
     _close_the_books(world)
     tally[EPOCH_BEGAN], tally[EPOCH_SPARED] = tally[COLLISIONS], tally[SPARED]
     tally[NEXT_EPOCH] = tally[COLLISIONS] + max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
@@ -193,6 +193,20 @@ def rescale(world, factor, inertia_factor):
         world.kinds[kind, ACROSS] /= inertia_factor
         for k in range(3):
             world.kinds[kind, INVERSE_MOMENTS + k] /= inertia_factor
+    predict_all(world)
+
+
+@kernel
+def set_velocities(world, velocities, momenta):
+    """New velocities (n, 3), which have no common drift, and angular momenta (n, 3) but for the spin that smooth bodies never change."""
+    advance_all(world.bodies, world.kinds, world.clock[NOW])
+    store(world.clock, DRIFT, (0.0, 0.0, 0.0))
+    for body in range(len(world.bodies)):
+        row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
+        store(row, VELOCITY, load(velocities[body], 0))
+        spin = add_scaled(load(row, MOMENTUM), -1.0, active_momentum(row, kind))
+        store(row, MOMENTUM, load(momenta[body], 0))
+        store(row, MOMENTUM, add_scaled(spin, 1.0, active_momentum(row, kind)))
     predict_all(world)
 
 

@@ -1,11 +1,14 @@
 """A System or a run to the files of other programs, and back: extended XYZ, GSD, LAMMPS data and dump (docs/file_format.md)."""
 
+from __future__ import annotations
+
 import importlib
 import operator
 import os
 from pathlib import Path
 
-from edmd.outputs import check_output
+from ccd.annotations import Any, AnyPath, ArrayLike
+from edmd.outputs import check_output, written_whole
 from edmd.system import System, wrap
 from edmd.trajectory import Frame, frame_of, open_run
 from edmd.trajectory import read_system as read_h5md
@@ -16,7 +19,8 @@ FORMATS = tuple(dict.fromkeys(SUFFIXES.values()))
 ONE_FRAME = ("edmd.formats.lammps_data",)
 
 
-def export(source, path, format=None, frames=None, overwrite=False, progress=False):
+def export(source: System | AnyPath, path: AnyPath, format: str | None = None, frames: Any = None, overwrite: bool = False,
+           progress: bool = False) -> int:
     """Write a System, or frames of a run, for other programs to read.
 
     source: a System, or the path of an H5MD file of ours. path: the file to write; it appears when it is complete, and an existing one is
@@ -47,7 +51,7 @@ def export(source, path, format=None, frames=None, overwrite=False, progress=Fal
         return len(indices)
 
 
-def read_system(path, frame=-1, format=None, inertia=None):
+def read_system(path: AnyPath, frame: int = -1, format: str | None = None, inertia: str | ArrayLike | None = None) -> System:
     """The System of a frame of an H5MD file of ours, in full precision, or of extended XYZ, GSD, LAMMPS data or dump, ours or another's.
 
     format: "h5md", "extxyz", "gsd", "lammps-data" or "lammps-dump", else told by the suffix, and H5MD for any other. inertia: as in
@@ -112,10 +116,5 @@ def _shown(indices):
 
 
 def _write(room, path, frames):
-    """Beside the path first, so that a file is whole or not there."""
-    part = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        room.write(part, frames)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    with written_whole(path) as partial:
+        room.write(partial, frames)

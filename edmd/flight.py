@@ -1,11 +1,11 @@
 """Bring a body up to date: straight flight, and rotation of its shape."""
 
-from ccd.compiling import called_kernel, kernel
+from ccd.compiling import kernel, large_kernel
 from ccd.free_top import angular_acceleration, angular_velocity, fastest_turning, turn_freely
 from ccd.precession import NO_AXIS
 from ccd.rotation import body_axes, load_quaternion, turn
 from ccd.separation import semi_axis_vectors
-from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store
+from ccd.vectors import add_scaled, cross, load, norm, scale, store
 from edmd.state import (
     ACROSS,
     AXIS,
@@ -26,6 +26,7 @@ from edmd.state import (
     VECTORS,
     VELOCITY,
 )
+from edmd.tolerances import UNSTEADY
 
 
 @kernel
@@ -62,11 +63,13 @@ def turning(row, kind, momentum):
 
 @kernel
 def turning_ahead(row, kind):
-    """How the shape will turn, as `support_motion` takes it, eq. (7d)."""
+    """How the shape will turn, as `support_motion` takes it, eqs. (7d) and (7e)."""
     momentum = load(row, MOMENTUM)
     spin, bending = turning(row, kind, momentum), kind[BENDING]
     if kind[MOTION] != FREE:
-        return spin, (0.0, 0.0, 0.0), dot(spin, spin) * bending, 0.0, 1.0
+        rate = norm(spin)
+        swing = _swing(row, kind, spin) + UNSTEADY * rate
+        return spin, (0.0, 0.0, 0.0), 0.5 * swing * (rate + swing) * bending, 0.0, 1.0
     q, inverse = load_quaternion(row, ORIENTATION), load(kind, INVERSE_MOMENTS)
     most, hardest = fastest_turning(q, momentum, inverse)
     square, jolt = most * most, 2 * kind[UNEQUAL] * most * hardest
@@ -77,14 +80,20 @@ def turning_ahead(row, kind):
 @kernel
 def fastest(row, kind):
     """The largest angular velocity at which the shape will turn; of a body of revolution in steady motion that of its axis."""
-    momentum, axis = load(row, MOMENTUM), int(kind[AXIS])
+    momentum = load(row, MOMENTUM)
     if kind[MOTION] == FREE:
         return fastest_turning(load_quaternion(row, ORIENTATION), momentum, load(kind, INVERSE_MOMENTS))[0]
-    spin = scale(kind[ACROSS], momentum)
+    return _swing(row, kind, scale(kind[ACROSS], momentum))
+
+
+@kernel
+def _swing(row, kind, spin):
+    """How fast the axis of a shape that turns steadily moves, a constant, eq. (7e); without an axis, how fast it turns."""
+    axis = int(kind[AXIS])
     return norm(spin if axis >= NO_AXIS else cross(spin, scale(1.0 / kind[SEMI_AXES + axis], load(row, VECTORS + 3 * axis))))
 
 
-@called_kernel
+@large_kernel
 def advance(row, kind, now):
     """Move the body of this row to the present."""
     time = now - row[TIME]

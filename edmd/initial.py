@@ -1,31 +1,37 @@
-"""Where a run starts: crystals that ASE builds, random systems, thermal velocities."""
+"""Where a run starts: crystals that ASE builds, random systems."""
+
+from __future__ import annotations
 
 import operator
+from collections.abc import Sequence
 from math import ceil, pi, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ccd import checks
+from ccd.annotations import ArrayLike
 from ccd.contacts import contact_functions
-from ccd.precession import SPHERE, symmetry_axes
-from ccd.quaternions import to_lab
-from edmd.inertia import temperature_of
 from edmd.system import System
 from edmd.tolerances import MARGIN
+from edmd.velocities import thermalized
+
+if TYPE_CHECKING:
+    from ase import Atoms
 
 START_FRACTION = 0.3    # packing fraction of a crystal that is to melt, unless its lattice holds less
 ROOMY = 0.85            # part of what the lattice holds at most, where that is less
 BODIES_PER_CELL = 4     # fcc
 LEAST_BODIES = 8
 DENSEST = 0.75          # packing fraction for which the cell must have room around every body
-SPINS = ("drawn", "none", "counted")
 LATTICES = ("fcc", "bcc", "sc", "hcp")
 SPARSE = 0.02           # packing fraction at which random bodies are first laid down
 RANDOM_RATE = 0.15      # speed at which surfaces grow from there to the wanted packing fraction, in thermal speeds
 ATTEMPTS = 10_000       # rounds of moving the bodies that overlap
 
 
-def lattice(name, semi_axes, packing_fraction, cells=(5, 5, 5), seed=0, stretched=False, masses=1.0, inertia="solid"):
+def lattice(name: str, semi_axes: ArrayLike, packing_fraction: float, cells: Sequence[int] = (5, 5, 5), seed: int = 0,
+            stretched: bool = False, masses: ArrayLike = 1.0, inertia: str | ArrayLike = "solid") -> System:
     """A crystal of parallel bodies, built by ASE, with thermal velocities at kT = 1.
 
     name: "fcc", "bcc", "sc" (cubic cells) or "hcp" (orthorhombic cell, ideal c/a); semi_axes (3,) along x, y, z; cells: unit cells in each
@@ -84,7 +90,8 @@ def crystal(n, semi_axes, start_fraction=None, seed=0):
     return thermalized(system, seed)
 
 
-def from_ase(atoms, semi_axes=None, orientations=None, masses=None, inertia=None, species=None):
+def from_ase(atoms: Atoms, semi_axes: ArrayLike | None = None, orientations: ArrayLike | None = None, masses: ArrayLike | None = None,
+             inertia: str | ArrayLike | None = None, species: ArrayLike | None = None) -> System:
     """A System from periodic ase.Atoms: positions and cell, turned so that the first cell vector lies along x, the second in xy.
 
     What is not given comes from the atoms, as `System.to_ase` and extended XYZ have it: semi_axes (as in System) from the array
@@ -130,7 +137,8 @@ def from_ase(atoms, semi_axes=None, orientations=None, masses=None, inertia=None
                   species)
 
 
-def random_system(n, semi_axes, packing_fraction, seed=0, masses=1.0, inertia="solid"):
+def random_system(n: int | Sequence[int], semi_axes: ArrayLike, packing_fraction: float, seed: int = 0, masses: ArrayLike = 1.0,
+                  inertia: str | ArrayLike = "solid") -> System:
     """Bodies at random, without overlap, in a cubic cell, with thermal velocities at kT = 1.
 
     n: number of bodies with semi_axes (3,), or counts (k,) of k species with semi_axes (k, 3). The bodies are laid down at random
@@ -162,33 +170,6 @@ def random_system(n, semi_axes, packing_fraction, seed=0, masses=1.0, inertia="s
         system = simulation.system
     return thermalized(System(system.positions, system.orientations, wanted, edge, masses=masses, inertia=inertia,
                               species=species), rng)
-
-
-def thermalized(system, seed=0, temperature=1.0, spin="drawn"):
-    """A copy with velocities and angular velocities from the Maxwell distribution, no total momentum, and exactly this temperature (kT).
-
-    spin: what smooth bodies never change, the spin of spheres and that of bodies of revolution about their axes, is "drawn" like the rest
-    and does not count for the temperature; or "none", for gases that cool, where it would hold the axes like gyroscopes; or "counted", for
-    rough bodies.
-    """
-    if spin not in SPINS:
-        raise ValueError(f"spin = {spin!r}: expected one of {', '.join(map(repr, SPINS))}")
-    temperature = checks.real_number("temperature", temperature, "a positive number (kT)", above=0)
-    rng = np.random.default_rng(seed)
-    system = system.copy()
-    n, masses = system.n, system.masses[:, None]
-    system.velocities = rng.normal(size=(n, 3)) * np.sqrt(temperature / masses)
-    if n > 1:
-        system.velocities -= (masses * system.velocities).sum(axis=0) / masses.sum()
-    in_body = rng.normal(size=(n, 3)) * np.sqrt(temperature / system.moments)
-    if spin == "none":
-        kinds = symmetry_axes(system.semi_axes)
-        in_body[(kinds[:, None] == np.arange(3)) | (kinds == SPHERE)[:, None]] = 0.0
-    system.angular_velocities = to_lab(system.orientations, in_body)
-    factor = sqrt(temperature / temperature_of(system, spin == "counted"))
-    system.velocities *= factor
-    system.angular_velocities *= factor
-    return system
 
 
 def _counts(name, value, what):

@@ -1,7 +1,8 @@
-"""Whether a file can be written, before anything is computed."""
+"""Files that are written: whether one can be, before anything is computed, and that it is there whole or not at all."""
 
 import os
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -23,3 +24,14 @@ def check_output(path, overwrite=False):
     if not writable:
         raise ValueError(f"output = {str(path)!r}: cannot be written there")
     return path
+
+
+@contextmanager
+def written_whole(path):
+    """A path beside this one to write to, which takes its place at the end: killed or with a full disk, the file is whole or not there."""
+    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
+    try:
+        yield partial
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)

@@ -1,18 +1,26 @@
 """Compression to a jammed packing, as a user asks for it: a crystal melts, the fluid is compressed until it jams."""
 
+from __future__ import annotations
+
 import time
-from typing import NamedTuple
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ccd import checks
+from ccd.annotations import AnyPath, ArrayLike
 from ccd.contacts import contact_numbers, contact_pairs, mean_contact_number, rattlers
+from edmd.compression import check_growth, checked_pressure
 from edmd.config import Compress, Config, Crystal, Output, Run
 from edmd.initial import DENSEST, crystal
 from edmd.rules.elastic import Elastic
 from edmd.runs import do_stage, run
-from edmd.simulation import Simulation, check_growth, checked_pressure
+from edmd.simulation import Simulation
 from edmd.system import System
+
+if TYPE_CHECKING:
+    from edmd.observers import Observer
 
 FLUID_RATE, FLUID_PRESSURE = 1e-2, 100.0
 CLOSED, WIDEST_GAP = 1000.0, 0.01
@@ -33,14 +41,15 @@ class Packing(NamedTuple):
     seconds: float
 
 
-def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, fluid_rate=None, start_fraction=None, melt=100, contact_gap=None,
-         output=None, overwrite=False, observers=()):
+def pack(n: int, semi_axes: ArrayLike, rate: float = 1e-3, seed: int = 0, until_pressure: float = 1e8, fluid_rate: float | None = None,
+         start_fraction: float | None = None, melt: float = 100, contact_gap: float | None = None, output: AnyPath | None = None,
+         overwrite: bool = False, observers: Iterable[Observer] = ()) -> Packing:
     """Pack n equal ellipsoids: an fcc crystal built by ASE melts, and the fluid is compressed (Lubachevsky and Stillinger) until it jams.
 
     semi_axes (3,): at the start; the bodies end larger (system.semi_axes), in their proportions.
     rate: growth of the semi-axes, as 1 + rate t at kT = 1 and mass 1, from a reduced pressure of 100 on.
     seed: of the thermal velocities, and of the sites that stay empty when n is no number of a crystal.
-    until_pressure: the reduced pressure P V / (n kT) that counts as jammed.
+    until_pressure: the reduced pressure P V / (n kT) that counts as jammed, at most 1e12.
     fluid_rate: growth up to a reduced pressure of 100 (default 0.01 / (abc)^(1/3), or rate if faster): spheres do not crystallise.
     start_fraction: packing fraction of the crystal (default 0.3, or less for shapes that do not fit).
     melt: collisions per particle before the compression.
@@ -64,10 +73,8 @@ def pack(n, semi_axes, rate=1e-3, seed=0, until_pressure=1e8, fluid_rate=None, s
     longest = semi_axes.max() * np.cbrt(DENSEST / start.packing_fraction)
     check_growth("rate", rate, longest)
     check_growth("fluid_rate", fluid_rate, longest)
-    stages = [Run(collisions_per_particle=melt)] if melt else []
-    stages.append(Compress(fluid_rate, until_pressure=min(FLUID_PRESSURE, until_pressure)))
-    if until_pressure > FLUID_PRESSURE:
-        stages.append(Compress(rate, until_pressure=until_pressure))
+    stages: list[Run | Compress] = [Run(collisions_per_particle=melt)] if melt else []
+    stages.append(Compress(((0.0, fluid_rate), (FLUID_PRESSURE, rate)), until_pressure=until_pressure))
     began = time.process_time()
     if output is None:
         simulation = Simulation(start, seed)

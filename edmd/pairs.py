@@ -1,4 +1,4 @@
-"""What the engine knows of a pair of neighbours: the two flights, the plane between them, and its sides in the lists (docs/theory.md, section 3).
+"""What the engine knows of a pair of neighbours: two flights, the plane between them, and its sides in the lists (theory, section 3).
 
 A plane of direction n, from a body to a neighbour, keeps the two apart while the body's side of it, U = n.x + h(n), stays below the
 neighbour's, L = n.x - h(n). Each side moves with its own body alone, so the list entry that a body has of a neighbour keeps n and the
@@ -95,14 +95,18 @@ def record(world, entry, own, other, n):
     number = lists.numbers[twin]
     number[SIDE], number[SIDE_RATE], number[SIDE_BEND], number[SINCE] = there - top, -top_rate, below[2], clock[NOW]
     bend = above[2] + below[2]
-    return within(clock[HORIZON], held(side - top - 8 * clock[ROUNDING], rate - top_rate, bend, above[0] + below[0]), bend)
+    return within(clock[HORIZON], held(side - top, rate - top_rate, bend, (above[0] + below[0], clock[ROUNDING])), bend)
 
 
 @kernel
-def held(gap, rate, bend, supports):
-    """For how long a plane holds, from the bound of its gap, which may be 0 but for rounding; 0 for one that cuts into the bodies."""
-    span = holding_time(gap, rate, bend)
-    return span if gap >= -CROSSED * supports else 0.0
+def held(gap, rate, bend, errors):
+    """For how long a plane on record holds, whose gap may be 0 but for rounding; 0 for one that cuts into the bodies.
+
+    errors: a length that the gap is a difference of, and the rounding of a position.
+    """
+    length, rounding = errors
+    span = holding_time(gap - 8 * rounding, rate, bend)
+    return span if gap >= -CROSSED * length - 8 * rounding else 0.0
 
 
 @kernel
@@ -154,4 +158,5 @@ def meeting_of_balls(world, entry, own, other):
     r, v = imaged(world, entry, subtract(other[0], own[0])), subtract(other[1], own[1])
     distance, growing = norm(r), reach * clock[GROWTH]
     reach *= size_now(clock)
-    return meeting(r, v, reach, growing), distance - reach, dot(r, v) / distance - growing, r
+    rate = dot(scale(1.0 / distance, r), v) - growing           # along the n of the impulse, to the bit: else energy drifts one way
+    return meeting(r, v, reach, growing), distance - reach, rate, r

@@ -36,7 +36,7 @@ NORMALS, SIDES, RATES, BENDS, AGES, SPANS, COLUMNS = (BLOCK * column for column 
 
 @kernel
 def predict(world, body):
-    """After a change of velocity: bound every pair of the body anew, which is up to date. Pairs that want a better plane are to be watched."""
+    """After a change of velocity: bound every pair of the body anew, which is up to date; some pairs are to be watched."""
     begin = int(world.lists.spans[body, BEGIN])
     end = begin + int(world.lists.spans[body, COUNT])
     if is_sphere(world, body):
@@ -95,7 +95,7 @@ def _predict_block(world, entries, own):
         column[SIDES + k], column[RATES + k], column[BENDS + k] = number[SIDE], number[SIDE_RATE], number[SIDE_BEND]
         column[AGES + k] = now - number[SINCE]
     _bound_columns(column, (end - begin + WIDTH - 1) // WIDTH * WIDTH, own,
-                   (size_now(clock), clock[GROWTH], 2 * clock[HORIZON], 8 * clock[ROUNDING]))
+                   (size_now(clock), clock[GROWTH], 2 * clock[HORIZON], clock[ROUNDING]))
     for entry in range(begin, end):
         k, twin = entry - begin, lists.links[entry, TWIN]
         number, there = lists.numbers[twin], 0.0
@@ -118,9 +118,9 @@ def _bound_columns(column, size, own, growing):
         height, rising, bending = grown(support_motion(vectors, turning, n, 0.0, horizon), factor, growth, horizon)
         top, top_rate, age = dot(n, position) + height, dot(n, velocity) + rising, column[AGES + k]
         rate = column[RATES + k] - age * column[BENDS + k]
-        gap = column[SIDES + k] + 0.5 * age * (column[RATES + k] + rate) - top - rounding
+        gap = column[SIDES + k] + 0.5 * age * (column[RATES + k] + rate) - top
         bend = column[BENDS + k] + bending
-        column[SPANS + k] = within(0.5 * horizon, held(gap, rate - top_rate, bend, height), bend)
+        column[SPANS + k] = within(0.5 * horizon, held(gap, rate - top_rate, bend, (height, rounding)), bend)
         column[SIDES + k], column[RATES + k], column[BENDS + k] = top, top_rate, bending
 
 

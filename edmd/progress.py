@@ -22,7 +22,7 @@ class Pace:
 
     def __init__(self, until_pressure=None):
         self._until_pressure = until_pressure
-        self._began, self.way, self.speed, self.seconds_left = None, 0.0, 0.0, inf
+        self._began, self._from, self.way, self.speed, self.seconds_left = None, None, 0.0, 0.0, inf
 
     def see(self, view):
         self.way = max(self.way, min(self._gone(view), 1.0))
@@ -41,7 +41,12 @@ class Pace:
         if self._until_pressure is None and (isfinite(course.until_time) or isfinite(course.until_collisions)):
             return max((view.time - course.from_time) / (course.until_time - course.from_time),
                        (view.collisions - course.from_collisions) / (course.until_collisions - course.from_collisions))
-        until = max(self._until_pressure or course.until_pressure, 2 * FLUID)
+        if self._from is None and pressure > 1:
+            self._from = pressure
+        until = self._until_pressure or course.until_pressure
+        if self._from is not None and until < self._from:               # an expansion
+            return log(self._from / pressure) / log(self._from / until)
+        until = max(until, 2 * FLUID)
         if pressure > FLUID:
             return FLUID_SHARE + (1 - FLUID_SHARE) * log(pressure / FLUID) / log(until / FLUID)
         return FLUID_SHARE * min(1.0, view.packing_fraction / 0.7)**3

@@ -1,17 +1,24 @@
 """A run from its config: start, stages, files; going on after an interruption; the same run again from its file."""
 
+from __future__ import annotations
+
 import hashlib
 import json
 import signal
 import threading
+from collections.abc import Iterable
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from ccd.annotations import AnyPath
+from edmd.averages import Interval
 from edmd.checkpoint import Checkpoint, read_checkpoint
+from edmd.compression import checked_packing_fraction, checked_rates
 from edmd.config import UNITS, read_config
-from edmd.initial import crystal, lattice, random_system, thermalized
+from edmd.initial import crystal, lattice, random_system
 from edmd.journal import put_back
-from edmd.observers import Every, Logarithmic, Milestones
+from edmd.observers import Every, Logarithmic, Milestones, View
 from edmd.outputs import check_output
 from edmd.progress import Log, Progress
 from edmd.rules.elastic import Elastic
@@ -19,13 +26,23 @@ from edmd.rules.rough import Rough
 from edmd.simulation import Simulation
 from edmd.system import PER_BODY
 from edmd.trajectory import Trajectory, open_run, read_system
+from edmd.velocities import thermalized
+
+if TYPE_CHECKING:
+    from edmd.config import ConfigSource
+    from edmd.observers import Observer
 
 
 class RunFailed(RuntimeError):
     """A run that could not be done as its config says; what was written until then is kept."""
 
 
-def run(config, overrides=(), output=None, overwrite=False, observers=(), progress=False, start_digest=None):
+class RunComplete(ValueError):
+    """A run that is to be resumed and has come to its end already: nothing is left to do, and nothing was touched."""
+
+
+def run(config: ConfigSource, overrides: Iterable[str] = (), output: AnyPath | None = None, overwrite: bool = False,
+        observers: Iterable[Observer] = (), progress: bool = False, start_digest: str | None = None) -> Simulation:
     """Do what a config says, and write the file it names. -> the Simulation at its end.
 
     config: path of a TOML file, a document (dict) or a Config; overrides: "KEY=VALUE", see `config.read_config`.
@@ -50,13 +67,14 @@ def run(config, overrides=(), output=None, overwrite=False, observers=(), progre
     return _do(simulation, config, trajectory, observers, progress)
 
 
-def resume(path, observers=(), progress=False):
+def resume(path: AnyPath, observers: Iterable[Observer] = (), progress: bool = False) -> Simulation:
     """Go on with an interrupted run from its last checkpoint; frames after that are written again, the same bit for bit. -> the Simulation
-    at its end. ValueError when the run is complete, is still going on, or left no checkpoint. observers: more of them, started now."""
+    at its end. RunComplete, a ValueError, when the run had ended before: its last state is `read_system(path)`. ValueError when it is still
+    going on or left no checkpoint. observers: more of them, started now."""
     config, _ = rebuilt(path)
     with open_run(path) as file:
         if file["edmd"].attrs["complete"]:
-            raise ValueError(f"path = {str(path)!r}: the run is complete; there is nothing to resume")
+            raise RunComplete(f"path = {str(path)!r}: the run is complete; there is nothing to resume")
     if not checkpoint_path(path).exists():
         raise ValueError(f"path = {str(path)!r}: no checkpoint {str(checkpoint_path(path))!r}; repeat the run with edmd run --from")
     simulation, stage, memories = read_checkpoint(checkpoint_path(path))
@@ -115,13 +133,16 @@ def _do(simulation, config, trajectory, observers, progress, first=0, memories=N
     simulation.stall_path = str(trajectory.path).removesuffix(".h5md") + ".stalled.npz"
     log = [Log(log_path(trajectory.path))] if config.output.log else []
     kept = [trajectory, *log]
-    checkpoint = Checkpoint(checkpoint_path(trajectory.path), config.output.checkpoint, simulation, kept)
+    checkpoint = Checkpoint(checkpoint_path(trajectory.path), config.output.checkpoint, simulation, kept, first)
     try:
         with trajectory, signals_to(checkpoint.stop):
+            if memories is None:
+                trajectory.start(View(simulation, Interval()))          # a checkpoint needs the file that it belongs to
             for observer, memory in zip(kept, memories or ()):
                 observer.restore(memory)
             for number, stage in enumerate(config.stages[first:], first):
-                checkpoint.stage = number
+                if simulation.course is None:
+                    checkpoint.before(number)
                 for one in log:
                     one.stage = number
                 shown = [Progress(label=f"stage {number} ({stage.kind})")] if progress else []
@@ -135,8 +156,9 @@ def _do(simulation, config, trajectory, observers, progress, first=0, memories=N
                 if number + 1 < len(config.stages):
                     trajectory.when = schedule(config.stages[number + 1].frames or config.output.frames)
     except OSError as problem:
-        raise RunFailed(f"{problem}; {trajectory.path} is kept as it was last whole, and edmd resume {trajectory.path} goes on from "
-                        "the last checkpoint") from problem
+        again = (f"{trajectory.path} is kept as it was last whole, and edmd resume {trajectory.path} goes on from the last checkpoint"
+                 if checkpoint.path.exists() else "nothing was done yet: start it anew, with --overwrite")
+        raise RunFailed(f"{problem}; {again}") from problem
     finally:
         for one in log:
             one.close()
@@ -164,12 +186,12 @@ def _check_stages(simulation, stages):
                              "with a time")
         if stage.kind == "run":
             continue
-        if stage.until_pressure is not None and stage.rate <= 0:
-            raise ValueError(f"{name}.rate = {stage.rate}: expected a positive rate with until_pressure")
         goal = stage.until_packing_fraction
-        if None not in (goal, fraction) and (goal - fraction) * stage.rate <= 0:
-            raise ValueError(f"{name}.until_packing_fraction = {goal}: the packing fraction is {fraction:.6g} by then and rate = "
-                             f"{stage.rate} leads away from it")
+        if None not in (goal, fraction):
+            try:
+                checked_packing_fraction(goal, fraction, checked_rates("rate", stage.rate)[0][1])
+            except ValueError as problem:
+                raise ValueError(f"{name}.{problem}") from None
         fraction = goal
 
 

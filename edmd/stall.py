@@ -1,7 +1,12 @@
 """When a run cannot go on: which bodies, why, what to do, and a file with the state."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 import numpy as np
 
+from ccd.annotations import AnyPath
 from edmd.rules.elastic import Elastic
 
 TOUCHING = 1e-9             # relative gap up to which bodies count as those that have collapsed
@@ -13,7 +18,7 @@ class Stalled(RuntimeError):
     """Events go on but time stands still, or nothing moves any more. bodies: their indices. path: the file with the state, or None; what
     `Simulation.load` makes of it stalls at its next event, and its `system` can start another simulation, with another rule."""
 
-    def __init__(self, words, bodies=(), path=None):
+    def __init__(self, words: str, bodies: Sequence[int] = (), path: AnyPath | None = None) -> None:
         super().__init__(words)
         self.bodies, self.path = tuple(bodies), path
 

@@ -44,10 +44,11 @@ HITS = 128
 BEGIN, COUNT, ROOM = 0, 1, 2
 SPAN_ROW = 4
 
-# clock: NOW and every time in the world count from EPOCH. REACH_SIZE: the largest size of an anchor. REFINE: a time, see tolerances. ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral
-# up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions. ENERGY_ERROR: sum over the epochs of
-# the amounts by which ENERGY, as the collisions account for it, had come off what it is, in units of what it was when it was last counted,
-# ENERGY_BEGAN. INSTANT: a span that is no progress. ROUNDING: of a position in the cell. DRIFT: common velocity of all bodies, (3,)
+# clock: NOW and every time in the world count from EPOCH. REACH_SIZE: the largest size of an anchor. REFINE: a time, see tolerances.
+# ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral up to ENERGY_SINCE; it and VIRIAL are sums of this epoch,
+# which began after EPOCH_BEGAN collisions. ENERGY_ERROR: sum over the epochs of the amounts by which ENERGY, as the collisions account for
+# it, had come off what it is, in units of what it was when it was last counted, ENERGY_BEGAN. INSTANT: a span that is no progress.
+# ROUNDING: of a position in the cell. DRIFT: common velocity of all bodies, (3,)
 (NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH_SIZE, ENERGY_ERROR, ENERGY_BEGAN,
  INSTANT, ROUNDING, DRIFT) = range(16)
 CLOCK_ROW = 24
@@ -55,7 +56,8 @@ CLOCK_ROW = 24
 # tally. ENTRIES: how many rows of the entries are taken. SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this
 # epoch). FAINT: weight of the last collisions in a row that were too faint to be told from rounding, the last of them of the FAINT_PAIR.
 # WATCHED: how many entries are to be watched in this event
-COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR, WATCHED = range(13)
+(COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR,
+ WATCHED) = range(13)
 TALLY_ROW = 16
 WATCHED_ROOM = 256
 

@@ -1,12 +1,19 @@
 """System: the bodies, their motion and their periodic cell, as a user hands them over and gets them back."""
 
+from __future__ import annotations
+
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ccd import Ellipsoid, batch, checks
+from ccd.annotations import Array, ArrayLike, Floats
 from ccd.contacts import contact_functions
 from edmd.inertia import principal_moments
+
+if TYPE_CHECKING:
+    from ase import Atoms
 
 PER_BODY = ("positions", "orientations", "semi_axes", "velocities", "angular_velocities", "masses", "moments", "species")
 
@@ -24,8 +31,9 @@ class System:
     species (n,): integers that label the bodies.
     """
 
-    def __init__(self, positions, orientations, semi_axes, box, velocities=None, angular_velocities=None, masses=1.0, inertia="solid",
-                 species=None):
+    def __init__(self, positions: ArrayLike, orientations: ArrayLike, semi_axes: ArrayLike, box: ArrayLike,
+                 velocities: ArrayLike | None = None, angular_velocities: ArrayLike | None = None, masses: ArrayLike = 1.0,
+                 inertia: str | ArrayLike = "solid", species: ArrayLike | None = None) -> None:
         self.positions = checks.real_array("positions", positions, (None, 3), "an array (n, 3)")
         n = len(self.positions)
         if n == 0:
@@ -46,31 +54,31 @@ class System:
         self.moments = principal_moments(inertia, self.semi_axes, self.masses)
 
     @property
-    def n(self):
+    def n(self) -> int:
         return len(self.positions)
 
     @property
-    def volume(self):
+    def volume(self) -> float:
         """Volume of the cell."""
         return float(self.box[0, 0] * self.box[1, 1] * self.box[2, 2])
 
     @property
-    def packing_fraction(self):
+    def packing_fraction(self) -> float:
         return float(4 * pi / 3 * self.semi_axes.prod(axis=1).sum() / self.volume)
 
     @property
-    def bodies(self):
+    def bodies(self) -> batch.Bodies:
         """The bodies at rest, for `ccd.batch`."""
         return batch.Bodies(self.semi_axes, self.positions, self.orientations)
 
-    def body(self, index):
+    def body(self, index: int) -> Ellipsoid:
         """One body as a `ccd.Ellipsoid`."""
         return Ellipsoid(self.semi_axes[index], self.positions[index], self.orientations[index])
 
-    def copy(self):
+    def copy(self) -> System:
         return self.subset(np.arange(self.n))
 
-    def subset(self, indices):
+    def subset(self, indices: ArrayLike) -> System:
         """The System of some of the bodies, in this order, in the same cell."""
         part = object.__new__(System)
         for name in PER_BODY:
@@ -78,16 +86,16 @@ class System:
         part.box, part.inertia = self.box.copy(), self.inertia if isinstance(self.inertia, str) else part.moments
         return part
 
-    def contact_functions(self, gap=0.0):
+    def contact_functions(self, gap: float = 0.0) -> tuple[Array, Array, Floats]:
         """The pairs whose bounding spheres touch when scaled by 1 + gap, and their contact functions; see `ccd.contacts`."""
         return contact_functions(self.positions, self.orientations, self.semi_axes, self.box, gap)
 
-    def smallest_scale(self):
+    def smallest_scale(self) -> float:
         """The factor by which all bodies must be scaled for the closest pair to touch: below 1 for an overlap, inf if none is close."""
         _, _, f = self.contact_functions()
         return float(np.sqrt(f.min())) if len(f) else np.inf
 
-    def to_ase(self):
+    def to_ase(self) -> Atoms:
         """ase.Atoms, from which `edmd.from_ase` makes the same System again.
 
         OVITO maps the arrays orientation (x, y, z, w), aspherical_shape (semi-axes) and omega (angular velocities) by themselves;

@@ -9,7 +9,7 @@ IMMINENT = 0.05             # a contact nearer than this, in units of that time,
 FAR = 0.12                  # squared tilt of a plane from which Newton's method is not trusted to find the best one
 ALIGNED = 1e-12             # squared tilt up to which a plane is the best one: it then errs by about as much, and the gap by its square
 WELL_ALIGNED = 1e-4         # the square of that over the gap, in units of the supports, up to which it is good enough without a contact
-CROSSED = 1e-9             # depth, in units of the supports, from which a plane that should be between two bodies cuts into them
+CROSSED = 1e-12            # depth, in units of the supports, from which a plane that should be between two bodies cuts into them
 NEWTON_STEPS = 6            # cap of steps of Newton's method for a plane; 1 or 2 are used
 LOOK_PAST = 2.0             # how far ahead a sharp bound looks, in units of the expected time to the contact
 HORIZON_FREE_TIMES = 4.5    # how far ahead a bound of a pair looks, in mean free times
@@ -20,6 +20,7 @@ FAINTEST = 1e-14            # approach of a dissipative collision, in units of t
 FAINT_COLLISIONS = 60       # of one pair in a row after which it has collapsed: of e = 0 one is as likely followed by another as not
 FAINT_CHANGE = 20           # what one counts when the last was of another pair: three or four in turn are a collapse of three bodies
 INSTANT_SHARE = 1e-15       # a time that is no progress, in thermal times, of a gas that can collapse
+UNSTEADY = 1e-15            # share of its turning by which the axis of a body of revolution moves at least: it is known no better
 DRIFTED = 1e-16             # share of the energy from which a common drift, the sum of rounding, is taken back
 FOREVER = 1e299             # a time that never comes
 STALL_EVENTS = 10_000       # events without progress of time (plus 100 per body) after which the engine gives up

@@ -1,15 +1,18 @@
 """Trajectories in H5MD (docs/file_format.md): an observer that writes them, and the way back to a System."""
 
+from __future__ import annotations
+
 import json
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import h5py
 import numpy as np
 
 import edmd
+from ccd.annotations import Any, AnyPath
 from edmd.averages import Interval
 from edmd.journal import BeingWritten, JournaledFile, put_back
 from edmd.observers import Every, Observer
@@ -17,6 +20,9 @@ from edmd.outputs import check_output
 from edmd.provenance import provenance
 from edmd.system import System, wrap
 from edmd.tolerances import OVERLAP
+
+if TYPE_CHECKING:
+    from edmd.observers import Schedule, View
 
 FORMAT = 1
 FLUSH_SECONDS = 1.0
@@ -36,11 +42,14 @@ class Trajectory(Observer):
     start: so is this digest of the state it all starts from. An existing file is refused unless overwrite is true.
     """
 
-    def __init__(self, path, when=None, parameters=None, overwrite=False, start=None):
+    def __init__(self, path: AnyPath, when: Schedule | None = None, parameters: dict[str, Any] | None = None, overwrite: bool = False,
+                 start: str | None = None) -> None:
         super().__init__(when if when is not None else Every(collisions_per_particle=100))
         self.path = check_output(path, overwrite)
         self._parameters, self._start = parameters or {}, start
-        self._overwrite, self._file, self._closed = overwrite, None, False
+        self._overwrite, self._closed = overwrite, False
+        self._file: Any = None
+        self._rows: list[Any] = []
 
     def __enter__(self):
         return self
@@ -48,7 +57,7 @@ class Trajectory(Observer):
     def __exit__(self, kind, *_):
         self.close(complete=kind is None)
 
-    def close(self, complete=True):
+    def close(self, complete: bool = True) -> None:
         self._closed = True
         if self._file is not None:
             try:
@@ -66,13 +75,13 @@ class Trajectory(Observer):
         finally:
             self._disk.close()
 
-    def memory(self):
+    def memory(self) -> dict[str, Any]:
         """Its place in the file, which is flushed."""
         self._flush()
         return {**super().memory(), "frames": len(self._file["particles/trajectory/position/step"]),
                 "rows": len(self._file["edmd/log/time"]), "since": self._since, "begun": self._begun}
 
-    def restore(self, memory):
+    def restore(self, memory: dict[str, Any]) -> None:
         """Go on in the file of the trajectory whose memory this is; what was written after that is cut off."""
         super().restore(memory)
         self._since, self._begun = Interval(*memory["since"]), Interval(*memory["begun"])
@@ -89,7 +98,7 @@ class Trajectory(Observer):
         for series, length in lengths:
             series.resize(length, axis=0)
 
-    def start(self, view):
+    def start(self, view: View) -> None:
         if self._closed:
             raise ValueError(f"output = {str(self.path)!r}: this trajectory is closed; expected a new one for another file")
         if self._file is None:
@@ -97,7 +106,7 @@ class Trajectory(Observer):
         self._since, self._begun = Interval(), view.begun
         self._frame(view)
 
-    def upkeep(self, view):
+    def upkeep(self, view: View) -> None:
         self._since, self._begun = self._since.plus(view.interval).minus(self._begun), Interval()
         means = view.means
         self._rows.append((view.time, view.collisions, view.packing_fraction, means.reduced_pressure, means.pressure, means.temperature,
@@ -105,12 +114,12 @@ class Trajectory(Observer):
         if time.monotonic() - self._flushed > FLUSH_SECONDS:
             self._flush()
 
-    def see(self, view):
+    def see(self, view: View) -> None:
         self._frame(view)
         if time.monotonic() - self._flushed > SELDOM * self._flush_seconds:
             self._flush()
 
-    def finish(self, view):
+    def finish(self, view: View) -> None:
         self._frame(view)
         self._file["edmd"].attrs["contact_time_collisions"] = view.contact_time_collisions
         self._flush()
@@ -218,8 +227,8 @@ def _append(dataset, frame, value):
 def open_run(path):
     """The h5py.File of a run, for reading, even while it is being written; ValueError in words when it is none of ours."""
     path = Path(path)
-    if not path.exists():
-        raise ValueError(f"path = {str(path)!r}: no such file")
+    if not path.is_file():
+        raise ValueError(f"path = {str(path)!r}: {'is a folder' if path.is_dir() else 'no such file'}; expected a run, NAME.h5md")
     with suppress(BeingWritten, PermissionError):
         put_back(path)
     try:
@@ -271,8 +280,9 @@ def frame_of(file, path, frame):
         box = group["box/edges/value"][frame]
         images, masses, species = group["image/value"][frame], group["mass"][:], group["species"][:]
         at, step = group["position/time"][frame], group["position/step"][frame]
-    except OSError as problem:
-        raise ValueError(f"path = {str(path)!r}: frame {frame} cannot be read, the file is truncated ({problem})") from None
+    except (OSError, KeyError, IndexError) as problem:
+        raise ValueError(f"path = {str(path)!r}: frame {frame} is not whole, the file was truncated or changed "
+                         f"({problem.args[0]})") from None
     if not np.isfinite(value["position"]).all():
         raise ValueError(f"path = {str(path)!r}: frame {frame} has positions that are not finite")
     inside, more = wrap(value["position"], box)
@@ -286,11 +296,15 @@ def verify_file(path):
 
     -> number of frames, the smallest scale at which a pair touches (below 1: an overlap), and a list of what is wrong in words.
     """
-    wrong, smallest, before = [], np.inf, (-1, -np.inf)
+    wrong, smallest, before = [], np.inf, [-1.0, -np.inf]
     with open_run(path) as file:
         frames = len(file["particles/trajectory/position/step"])
         for frame in range(frames):
-            system = frame_of(file, path, frame).system
+            try:
+                system = frame_of(file, path, frame).system
+            except ValueError as problem:
+                wrong.append(str(problem))
+                continue
             scale = system.smallest_scale()
             smallest = min(smallest, scale)
             if scale < 1 - OVERLAP:
@@ -298,7 +312,7 @@ def verify_file(path):
             length = np.sqrt((file["particles/trajectory/orientation/value"][frame]**2).sum(axis=1))
             if abs(length - 1).max() > 1e-12:
                 wrong.append(f"frame {frame}: an orientation has length {length[abs(length - 1).argmax()]!r}")
-            now = tuple(float(file[f"particles/trajectory/position/{name}"][frame]) for name in ("step", "time"))
+            now = [float(file[f"particles/trajectory/position/{name}"][frame]) for name in ("step", "time")]
             if now[0] < before[0] or now[1] < before[1]:
                 wrong.append(f"frame {frame}: step and time {now} come after {before}")
             before = now

@@ -3,6 +3,7 @@
 from math import inf, sqrt
 
 from ccd.compiling import kernel
+from ccd.first_contact import holding_time
 from ccd.separation import best_plane, support
 from ccd.tolerances import EXACT, TOUCHING
 from ccd.turning_plane import facing, following
@@ -12,7 +13,6 @@ from edmd.pairs import (
     ball_now,
     direction_of,
     flight_now,
-    held,
     hold_until,
     imaged,
     is_sphere,
@@ -28,7 +28,7 @@ from edmd.tolerances import ALIGNED, CROSSED, FAR, IMMINENT, LOOK_PAST, NEWTON_S
 
 @kernel
 def watch(world, entry):
-    """Bring a pair up to date, see whether it touches now, and note when it can touch at the earliest. -> touches, rate of the gap, normal."""
+    """Bring a pair up to date, see whether it touches, and note when it can at the earliest. -> touches, rate of the gap, normal."""
     links, now = world.lists.links, world.clock[NOW]
     body, partner = int(links[links[entry, TWIN], PARTNER]), int(links[entry, PARTNER])
     world.tally[LOOKS] += 1
@@ -71,7 +71,7 @@ def _watch_ellipsoids(world, entry, own, other):
         if lead == 0.0 or gap >= 0.0:
             break
         found = False                       # the plane, aimed ahead, cuts into the bodies now
-    span = within(reach, held(gap, rate, bend, supports), bend)
+    span = within(reach, holding_time(gap, rate, bend), bend)
     touches = rate < 0 and found and (gap <= TOUCHING * supports or now + span == now)
     if touches or span > soon:              # the bound on record looks further ahead, and is less sharp
         span = max(span, record(world, entry, own, other, n))

@@ -13,6 +13,7 @@ from scipy.interpolate import BPoly
 from scipy.optimize import brentq, minimize_scalar
 
 import ccd
+from analysis.style import letter_panels
 from figures.drawing import moved, save_row, scene
 
 ROOT2 = np.sqrt(2)
@@ -101,7 +102,7 @@ def draw(axes, equation, intervals, shoots):
         axes.plot([1.04, 1.04], [interval.start, interval.end], color=CRITICAL, linewidth=4, solid_capstyle="butt", clip_on=False)
     critical = [end for interval in overlaps for end in (interval.start, interval.end) if low < end < high]
     axes.plot([best_u(equation, end)[0] for end in critical], critical, "o", color=CRITICAL, markersize=4)
-    axes.set(xlabel="u", ylabel="t", xlim=(0, 1), ylim=(low, high))
+    axes.set(xlabel="$u$", ylabel="$t$", xlim=(0, 1), ylim=(low, high))
 
 
 def solved(equation):
@@ -142,8 +143,10 @@ def main():
         print(f"{name}: F has degree {equation.degree_t} in t, {equation.minimal_degree_t} without common factors")
         draw(axes, equation, solved(equation), [step for start, end in shoots for step in recursive_shoots(equation, start, end)])
         print(f"  first contact at t = {contact.time:.15g}, at {np.round(contact.point, 12)}")
-        axes.set_title(f"{name}, t in [{t_span[0]}, {t_span[1]}]", fontsize=10)
-    figure.savefig(zero_sets, dpi=110)
+        axes.set_title(f"{name}, $t \\in [{t_span[0]}, {t_span[1]}]$", fontsize=10)
+    figure.get_layout_engine().set(wspace=0.12)             # for the bars beside the panels
+    letter_panels(figure)
+    figure.savefig(zero_sets, dpi=200)
     save_row([portrait(example_2(), t) for t in INSTANTS], bodies)
     print(f"\nzero sets  {zero_sets}\nbodies     {bodies}")
 

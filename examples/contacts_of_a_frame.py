@@ -13,7 +13,7 @@ import analysis
 import ccd
 import edmd
 from analysis.colours import contact_colours, linear_rgb
-from analysis.panels import BLUE, ORANGE, panels, picture_panel
+from analysis.style import BLUE, ORANGE, panels, picture_panel
 
 UNTIL_PRESSURE, GAP = 1e8, 1e-5
 BOND_WIDTH, JOINT = 0.08, 0.25                                      # in radii of a sphere of equal volume

@@ -3,14 +3,11 @@
 import argparse
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 
 import edmd
+from analysis.style import BLUE, ORANGE, letter_panels, panels
 from edmd.inertia import degrees_of_freedom, kinetic_energies
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 
 CONTACT_SHARE = 3e-3        # of the time in which a body moves by its length: collisions that follow sooner are elastic
 
@@ -62,20 +59,18 @@ def shares(view):
 
 
 def draw(path, tau, times, temperature, ratio):
-    figure, (law, share) = plt.subplots(1, 2, figsize=(9, 3.6), constrained_layout=True)
+    figure, (law, share) = panels(1, 2, (8.4, 3.5))
     curve = np.geomspace(times[0], times[-1], 200) / tau
-    law.loglog(curve, (1 + curve)**-2, color="0.6", label="Haff's law, $(1 + t/\\tau)^{-2}$")
-    law.loglog(times / tau, temperature, "o", markersize=3.5, color="C0", label="simulation")
+    law.loglog(curve, (1 + curve)**-2, color=ORANGE, label="Haff's law, $(1 + t/\\tau)^{-2}$")
+    law.loglog(times / tau, temperature, "o", markersize=3.5, color=BLUE, label="events")
     law.set(xlabel="$t / \\tau$", ylabel="$T / T_0$")
     law.legend(frameon=False)
     if ratio is not None:
-        share.semilogx(times / tau, ratio, "o", markersize=3.5, color="C1")
-        share.axhline(1, color="0.6", linewidth=1)
+        share.semilogx(times / tau, ratio, "o", markersize=3.5, color=BLUE)
+        share.axhline(1, color=ORANGE, linewidth=1.2)
         share.set(xlabel="$t / \\tau$", ylabel="$T_{\\mathrm{rotation}}\\, /\\, T_{\\mathrm{translation}}$", ylim=(0.8, 1.2))
-    for axes in (law, share):
-        axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=150)
-    plt.close(figure)
+    letter_panels(figure)
+    figure.savefig(path, dpi=200)
 
 
 if __name__ == "__main__":

@@ -15,10 +15,11 @@ import numpy as np
 import analysis
 import edmd
 from analysis.colours import orientation_colours
-from analysis.panels import BLUE, ORANGE, POINTS, panels, picture_panel
+from analysis.style import BLUE, ORANGE, POINTS, panels, picture_panel
 
 SEMI_AXES = (1.0, 1.0, np.sqrt(3))
 DENSEST = 0.7707
+ROOM = 1e-8                     # relative: rows of bodies that touch exactly, tip to tip, have none to move in
 PACKING_FRACTIONS = [0.74, 0.70, 0.66, 0.63, 0.60, 0.58, 0.56, 0.53, 0.50, 0.45]
 RATE, FRAMES = 0.02, 64
 K_MAX = 3.6                     # just beyond the reflections {111} of the lattice of centres
@@ -27,7 +28,7 @@ PIXELS = (700, 700)
 
 def crystal(cells):
     """The crystal near its highest density, as ase.Atoms with shapes and orientations (x, y, z, w)."""
-    edge, half = 2 * np.sqrt(3), np.sqrt(0.5)
+    edge, half = 2 * np.sqrt(3) * (1 + ROOM), np.sqrt(0.5)
     height = 4 * (4 * np.pi / 3 * np.prod(SEMI_AXES)) / (DENSEST * edge**2)
     sites = np.array([(0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)]) + 0.25       # off the faces of the cell: a better picture
     atoms = ase.Atoms("X4", scaled_positions=sites, cell=(edge, edge, height), pbc=True)

@@ -1,21 +1,27 @@
-"""The pressure of a fluid of hard spheres, with error bars by blocks, against Carnahan and Starling (J. Chem. Phys. 51, 635 (1969))."""
+"""The pressure of a fluid of hard spheres, with error bars by blocks, against two formulas."""
 
 import argparse
 from pathlib import Path
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 import analysis
 import edmd
-from analysis.panels import BLUE, ORANGE, POINTS, letter_panels, panels
+from analysis.style import BLUE, GREEN, ORANGE, POINTS, letter_panels, panels
 
 PACKING_FRACTIONS = [0.05, 0.10, 0.15, 0.20, 0.25, 0.30, 0.35, 0.40, 0.45, 0.48]
 MELT, BLOCKS = 100, 64              # collisions per particle before the measurement; blocks that are measured
 
 
 def carnahan_starling(phi):
-    """P V / (n kT) of hard spheres at packing fraction phi."""
+    """P V / (n kT) of hard spheres at packing fraction phi (Carnahan and Starling, J. Chem. Phys. 51, 635 (1969))."""
     return (1 + phi + phi**2 - phi**3) / (1 - phi) ** 3
+
+
+def kolafa(phi):
+    """The same, fitted to molecular dynamics (Kolafa, Labik and Malijevsky, Phys. Chem. Chem. Phys. 6, 2335 (2004))."""
+    return polyval(phi / (1 - phi), [1, 4, 6, 2.3647684, -0.8698551, 1.1062803, -1.095049, 0.637614, -0.2279397, 0.1098948, -0.00906797])
 
 
 def measured(packing_fraction, cells, collisions_per_particle, seed):
@@ -39,8 +45,10 @@ def draw(phi, pressure, error, output):
     left.legend(frameon=False)
     theory = carnahan_starling(phi)
     right.axhline(0, color=ORANGE)
+    right.plot(line, 100 * (kolafa(line) / carnahan_starling(line) - 1), color=GREEN, label="Kolafa et al.")
+    right.legend(frameon=False, loc="lower left")
     right.errorbar(phi, 100 * (pressure / theory - 1), yerr=100 * error / theory, color=BLUE, **POINTS)
-    right.set(xlabel=r"packing fraction $\phi$", ylabel="deviation from Carnahan and Starling (%)", xlim=(0, 0.5))
+    right.set(xlabel=r"packing fraction $\phi$", ylabel="deviation from C. and S. (%)", xlim=(0, 0.5))
     widest = max(abs(value) for value in right.get_ylim())
     right.set_ylim(-widest, widest)
     letter_panels(figure)

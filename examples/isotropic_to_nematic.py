@@ -12,7 +12,7 @@ from matplotlib.image import imread
 
 import analysis
 import edmd
-from analysis.panels import BLUE, ORANGE, POINTS, letter_panels, panels, picture_panel
+from analysis.style import BLUE, ORANGE, POINTS, letter_panels, panels, picture_panel
 
 PACKING_FRACTIONS = [0.30, 0.34, 0.36, 0.38, 0.40, 0.42, 0.44, 0.47, 0.50]
 RATE, FRAMES = 0.02, 50         # growth between two packing fractions; frames at each

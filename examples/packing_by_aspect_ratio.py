@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import edmd
-from analysis.panels import BLUE, ORANGE, POINTS, letter_panels, panels
+from analysis.style import BLUE, ORANGE, POINTS, letter_panels, panels
 
 ASPECT_RATIOS = [0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75, 2.0, 2.5]
 UNTIL_PRESSURE = 1e6

@@ -6,14 +6,13 @@ Run it again and it only draws: every run that is done is kept. With --replicas 
 import argparse
 from pathlib import Path
 
-import matplotlib
 import numpy as np
 
 import edmd
+from analysis.style import BLUE, ORANGE, POINTS, panels
 
 RATES = [0.3, 0.1, 0.03, 0.015]
 SHAPES = {"spheres": [1.0, 1.0, 1.0], "ellipsoids 1.25 : 1 : 0.8": [1.25, 1.0, 0.8]}
-COLOURS = ("#1f4e8c", "#c8551e")
 PACKING = {
     "system": {"kind": "crystal", "n": 64},
     "stage": [{"kind": "run", "collisions_per_particle": 50},           # the crystal melts
@@ -23,21 +22,16 @@ PACKING = {
 
 def draw(table, output):
     """Mean packing fractions with standard errors over the replicas."""
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    figure, axes = plt.subplots(figsize=(5.2, 3.9), layout="constrained")
-    for (name, shape), colour in zip(SHAPES.items(), COLOURS):
+    figure, axes = panels()
+    for (name, shape), colour in zip(SHAPES.items(), (BLUE, ORANGE)):
         phi = [table["packing_fraction"][(table["stage.1.rate"] == rate) & (table["system.semi_axes.0"] == shape[0])] for rate in RATES]
         mean, error = [each.mean() for each in phi], [each.std(ddof=1) / np.sqrt(len(each)) for each in phi]
-        axes.errorbar(RATES, mean, yerr=error, fmt="o-", color=colour, label=name, capsize=3, markersize=4)
+        axes.errorbar(RATES, mean, yerr=error, color=colour, label=name, **POINTS | {"fmt": "o-"})
         for rate, value, bar in zip(RATES, mean, error):
             print(f"{name:26} rate {rate:<5g} packing fraction {value:.4f} +- {bar:.4f}")
-    axes.set(xscale="log", xlabel=r"growth rate of the semi-axes, $kT = m = 1$", ylabel=r"packing fraction $\phi$ at $PV/NkT = 10^5$")
+    axes.set(xscale="log", xlabel=r"growth rate of the semi-axes, $kT = m = 1$", ylabel=r"packing fraction $\phi$ at $PV/nkT = 10^5$")
     axes.set_xticks(RATES, [f"{rate:g}" for rate in RATES])
     axes.set_xticks([], minor=True)
-    axes.grid(True, color="0.9", linewidth=0.6)
-    axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False)
     figure.savefig(output, dpi=200)
 

@@ -4,5 +4,7 @@ from ccd.motion.flight import FreeFlight, Rest
 from ccd.motion.interpolation import approximate_flight, interpolate_affine, interpolate_rigid
 from ccd.motion.rational import AffineInterpolant, AffineMotion, RationalMotion
 
-__all__ = ["AffineInterpolant", "AffineMotion", "FreeFlight", "RationalMotion", "Rest", "approximate_flight", "interpolate_affine",
-           "interpolate_rigid"]
+Motion = RationalMotion | AffineMotion | AffineInterpolant | FreeFlight
+
+__all__ = ["AffineInterpolant", "AffineMotion", "FreeFlight", "Motion", "RationalMotion", "Rest", "approximate_flight",
+           "interpolate_affine", "interpolate_rigid"]

@@ -1,10 +1,14 @@
 """Motions of a body from its own pose: free flight and rest."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ccd import checks
+from ccd.annotations import ArrayLike, Floats
 from ccd.ellipsoid import Ellipsoid
 from ccd.precession import NO_AXIS, SPHERE, symmetry_axes, turning_of_shape
 
@@ -17,10 +21,14 @@ class FreeFlight:
     a rigid body without torque; angular_velocity is then that at t = 0 (docs/theory.md, eq. (12b)).
     """
 
-    velocity: np.ndarray
-    angular_velocity: np.ndarray = (0.0, 0.0, 0.0)
+    velocity: Floats
+    angular_velocity: Floats = (0.0, 0.0, 0.0)        # type: ignore[assignment]
     growth_rate: float = 0.0
-    moments: np.ndarray = None
+    moments: Floats | None = None
+
+    if TYPE_CHECKING:               # what may be given; the fields say what it becomes
+        def __init__(self, velocity: ArrayLike, angular_velocity: ArrayLike = ..., growth_rate: float = ...,
+                     moments: ArrayLike | None = ...) -> None: ...
 
     def __post_init__(self):
         for name in ("velocity", "angular_velocity"):
@@ -34,7 +42,8 @@ class FreeFlight:
             object.__setattr__(self, "moments", moments)
 
     @classmethod
-    def of_solid(cls, ellipsoid, velocity, angular_velocity=(0.0, 0.0, 0.0), growth_rate=0.0):
+    def of_solid(cls, ellipsoid: Ellipsoid, velocity: ArrayLike, angular_velocity: ArrayLike = (0.0, 0.0, 0.0),
+                 growth_rate: float = 0.0) -> FreeFlight:
         """The flight of a free solid ellipsoid of uniform density that at t = 0 turns at angular_velocity (3,), lab frame. -> FreeFlight
 
         Its surface moves exactly as that of the solid. A solid of revolution precesses: its axis turns about the angular momentum L at
@@ -58,6 +67,6 @@ class FreeFlight:
         return cls(velocity, turning, growth_rate)
 
 
-def Rest():
+def Rest() -> FreeFlight:
     """The motion of a body that stays where it is."""
     return FreeFlight((0.0, 0.0, 0.0))

@@ -1,18 +1,21 @@
 """Rational motions made from poses and flights: interpolants between two poses (paper, Sec. 4.1 and Appendix D), and free flight."""
 
+from __future__ import annotations
+
 from math import factorial
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
 from ccd import checks
+from ccd.annotations import Span
 from ccd.ellipsoid import Ellipsoid
 from ccd.motion.flight import FreeFlight
 from ccd.motion.rational import AffineInterpolant, AffineMotion, RationalMotion
 from ccd.quaternions import products, rotations
 
 
-def interpolate_rigid(start, end):
+def interpolate_rigid(start: Ellipsoid, end: Ellipsoid) -> RationalMotion:
     """The motion from one pose at t = 0 to another at t = 1: linear quaternion curve, linear translation (paper, Sec. 4.1).
 
     start, end: Ellipsoid with the same semi-axes. The shorter way round is taken. -> RationalMotion, rotation of degree 2.
@@ -23,7 +26,7 @@ def interpolate_rigid(start, end):
     return RationalMotion(np.stack([first, last - first], axis=1), np.stack([start.center, end.center - start.center], axis=1))
 
 
-def interpolate_affine(a_start, a_end, b_start, b_end):
+def interpolate_affine(a_start: Ellipsoid, a_end: Ellipsoid, b_start: Ellipsoid, b_end: Ellipsoid) -> AffineInterpolant:
     """The affine interpolant of the motion of B relative to A, t from 0 to 1, which makes F of degree 6 (paper, Appendix D).
 
     a_start, a_end and b_start, b_end: Ellipsoid, each pair with the same semi-axes. The motion is that of B as seen from A's canonical
@@ -40,7 +43,8 @@ def interpolate_affine(a_start, a_end, b_start, b_end):
     return AffineInterpolant(b_start.semi_axes, inverses, centers)
 
 
-def approximate_flight(ellipsoid, flight, t_span=(0.0, 1.0), degree=3):
+def approximate_flight(ellipsoid: Ellipsoid, flight: FreeFlight, t_span: Span = (0.0, 1.0),
+                       degree: int = 3) -> RationalMotion | AffineMotion:
     """A rational motion close to a free flight within t_span, for the algebraic solution (paper, Sec. 5, asks for such).
 
     The rotation by an angle theta since the middle of the span becomes that of the quaternion 1 + i theta / 2 + ..., the numerator of the
@@ -74,7 +78,7 @@ def approximate_flight(ellipsoid, flight, t_span=(0.0, 1.0), degree=3):
     if flight.growth_rate == 0:
         return RationalMotion(rotation, path)
     e = [Polynomial(row) for row in rotation]
-    norm = sum(each * each for each in e)
+    norm = sum((each * each for each in e), Polynomial([0.0]))
     size = Polynomial([1.0, flight.growth_rate])
     return AffineMotion(_rows([size * entry for entry in _rotation(e)]).reshape(3, 3, -1),
                         _rows([Polynomial(row) * norm for row in path]), norm.coef)

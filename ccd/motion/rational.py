@@ -4,13 +4,20 @@ Their polynomials are given in powers of t, lowest first. The frame of the body 
 the paper: centred, with the semi-axes along x, y and z; the centre and orientation of a ccd.Ellipsoid are not used with such a motion.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ccd import checks
+from ccd.annotations import ArrayLike, Floats, Span
 from ccd.motion.tensors import DENOMINATOR_VANISHES, FLAT, TURN_VANISHES, affine_tensors, empty_tensors, interpolated_tensors, rigid_tensors
 from ccd.quaternions import rotation_matrices
+
+if TYPE_CHECKING:
+    from ccd.motion.tensors import Tensors
 
 WHY_NOT = {TURN_VANISHES: "rotation: the quaternion polynomial vanishes", DENOMINATOR_VANISHES: "denominator: it has a root",
            FLAT: "linear: the map is singular"}
@@ -57,26 +64,29 @@ class RationalMotion:
     of degree 2 k. translation (3, m + 1), denominator (d + 1,).
     """
 
-    rotation: np.ndarray
-    translation: np.ndarray
-    denominator: np.ndarray = (1.0,)
+    rotation: Floats
+    translation: Floats
+    denominator: Floats = (1.0,)        # type: ignore[assignment]
+
+    if TYPE_CHECKING:               # what may be given; the fields say what it becomes
+        def __init__(self, rotation: ArrayLike, translation: ArrayLike, denominator: ArrayLike = ...) -> None: ...
 
     def __post_init__(self):
         _set(self, rotation=((4,), "four polynomials (4, k + 1)"), translation=((3,), "three polynomials (3, m + 1)"),
              denominator=((), "a polynomial (d + 1,)"))
 
     @property
-    def degree(self):
+    def degree(self) -> int:
         """As the paper counts it: the highest degree in R(t) and the translation."""
         return max(2 * self.rotation.shape[1] - 2, self.translation.shape[1] - 1, len(self.denominator) - 1)
 
-    def matrix(self, t):
+    def matrix(self, t: float) -> Floats:
         """M(t) (4, 4)."""
         quaternion = _at(self.rotation, t)
         quaternion /= np.linalg.norm(quaternion)
         return _matrix(rotation_matrices(quaternion[None])[0], _at(self.translation, t) / _at(self.denominator, t))
 
-    def tensors(self, semi_axes, span):
+    def tensors(self, semi_axes: ArrayLike, span: Span) -> tuple[Tensors, str | None]:
         """Its part in the CCD equation for t in start + [0, width], span = (start, width). -> Tensors, and what is wrong, or None."""
         k, m, d = self.rotation.shape[1] - 1, self.translation.shape[1] - 1, len(self.denominator) - 1
         tensors = empty_tensors(q=4 * k, p=4 * k, det=4 * k + 2 * d, mu=4 * k, v=d, path=m)
@@ -92,25 +102,28 @@ class AffineMotion:
     linear (3, 3, k + 1), nowhere singular while the body moves; translation (3, m + 1), denominator (d + 1,) of both.
     """
 
-    linear: np.ndarray
-    translation: np.ndarray
-    denominator: np.ndarray = (1.0,)
+    linear: Floats
+    translation: Floats
+    denominator: Floats = (1.0,)        # type: ignore[assignment]
+
+    if TYPE_CHECKING:               # what may be given; the fields say what it becomes
+        def __init__(self, linear: ArrayLike, translation: ArrayLike, denominator: ArrayLike = ...) -> None: ...
 
     def __post_init__(self):
         _set(self, linear=((3, 3), "nine polynomials (3, 3, k + 1)"), translation=((3,), "three polynomials (3, m + 1)"),
              denominator=((), "a polynomial (d + 1,)"))
 
     @property
-    def degree(self):
+    def degree(self) -> int:
         """As the paper counts it: the highest degree in linear, translation and denominator."""
         return max(self.linear.shape[2], self.translation.shape[1], len(self.denominator)) - 1
 
-    def matrix(self, t):
+    def matrix(self, t: float) -> Floats:
         """M(t) (4, 4)."""
         d = _at(self.denominator, t)
         return _matrix(_at(self.linear, t) / d, _at(self.translation, t) / d)
 
-    def tensors(self, semi_axes, span):
+    def tensors(self, semi_axes: ArrayLike, span: Span) -> tuple[Tensors, str | None]:
         """As RationalMotion.tensors."""
         k, m, d = self.linear.shape[2] - 1, self.translation.shape[1] - 1, len(self.denominator) - 1
         tensors = empty_tensors(q=2 * k + 2 * d, p=4 * k, det=6 * k, mu=4 * d, v=d, path=m)
@@ -127,9 +140,9 @@ class AffineInterpolant:
     semi_axes (3,): of the ellipsoid that moves, at t = 0. Made by ccd.interpolate_affine.
     """
 
-    semi_axes: np.ndarray
-    inverses: np.ndarray
-    centers: np.ndarray
+    semi_axes: Floats
+    inverses: Floats
+    centers: Floats
 
     degree = 1
 

@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, dataclass, fields
 from math import inf
-from typing import Annotated, get_type_hints
+from typing import Annotated, Any, get_type_hints
 
 from ccd import checks
 
@@ -32,11 +32,11 @@ class Rule:
         for name, hint in get_type_hints(type(self), include_extras=True).items():
             object.__setattr__(self, name, hint.__metadata__[1](name, getattr(self, name)))
 
-    def document(self):
+    def document(self) -> dict[str, Any]:
         """The rule as JSON and a config hold it."""
         return {"kind": self.kind, **asdict(self)}
 
     @property
-    def parameters(self):
+    def parameters(self) -> tuple[float, ...]:
         """Its numbers but for the contact times, in order: what its kernel reads."""
         return tuple(getattr(self, item.name) for item in fields(self) if not item.name.startswith("contact_"))

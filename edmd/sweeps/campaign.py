@@ -1,11 +1,14 @@
 """A sweep from end to end: what is missing is done, tried again where it failed, and everything that is there becomes one table."""
 
+from __future__ import annotations
+
 import queue
 import warnings
 from pathlib import Path
 from typing import NamedTuple
 
 from ccd import checks
+from ccd.annotations import Any, AnyPath, Array
 from edmd.runs import signals_to
 from edmd.sweeps import child
 from edmd.sweeps.account import Account
@@ -24,8 +27,9 @@ class SweepStopped(RuntimeError):
     """A sweep that could not go on; what was done until then is kept, and the same call does the rest."""
 
 
-def sweep(function_or_config, grid, directory, scheduler=None, workers=None, slurm=None, seed=0, replicas=1, retries=2, plot=None,
-          progress=False):
+def sweep(function_or_config: Any, grid: Any, directory: AnyPath, scheduler: str | None = None, workers: int | None = None,
+          slurm: dict[str, Any] | None = None, seed: int = 0, replicas: int = 1, retries: int = 2, plot: dict[str, Any] | None = None,
+          progress: bool = False) -> dict[str, Array]:
     """Do a run at every point of a design, each in a process, a directory and with a seed of its own; called again, what is missing.
 
     function_or_config: what `edmd.run` takes (path, document or Config), whose keys are then the parameters, or a function at the top of a
@@ -84,7 +88,8 @@ def carry_out(function_or_config, grid, directory, scheduler, workers, slurm, se
         claim(directory, subject.identity, seed, runs)
         results = {run.name: result_of(directory, run) for run in runs}
         todo = [task for name, task in tasks.items() if results[name] is None]
-        failed, stopped = {}, None
+        failed: dict[str, str] = {}
+        stopped = None
         with Account(directory, len(runs), len(runs) - len(todo), progress) as account:
             try:
                 if todo:
@@ -120,7 +125,9 @@ def _do(tasks, retries, failed, account, scheduler, workers, slurm):
 
 
 def _follow(executor, tasks, retries, failed, account):
-    finished, under_way, attempts = queue.SimpleQueue(), {}, {}
+    finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    under_way: dict[Any, Any] = {}
+    attempts: dict[Any, int] = {}
 
     def start(task):
         attempts[task["directory"]] = attempts.get(task["directory"], 0) + 1

@@ -1,6 +1,8 @@
 """Which runs a sweep is made of: points from grids, lists and draws, their replicas, and for each a name and a seed that stay when the
 design is extended."""
 
+from __future__ import annotations
+
 import hashlib
 import json
 from itertools import product
@@ -35,7 +37,7 @@ def points_of(grid):
     return [{key: plain(f"grid[{i}].{key}", value) for key, value in point.items()} for i, point in enumerate(grid)]
 
 
-def random_points(ranges, draws, seed=0):
+def random_points(ranges: dict[str, dict[str, Any]], draws: int, seed: int = 0) -> list[dict[str, Any]]:
     """Points drawn at random, for `sweep` to take as its grid. More draws with the same seed begin with the same points.
 
     ranges: a dict of {"uniform": [low, high]}, {"log": [low, high]} (uniform in the logarithm), {"integer": [low, high]} (both included) or
@@ -53,18 +55,19 @@ def random_points(ranges, draws, seed=0):
 
 def combined(*designs):
     """Every point of a design with every one of the others; designs without points do not count."""
-    designs = [design for design in designs if design]
-    keys = [set().union(*design) for design in designs]
+    taken = [design for design in designs if design]
+    keys: list[set[str]] = [set().union(*design) for design in taken]
     for i, some in enumerate(keys):
         for others in keys[:i]:
             if some & others:
                 raise ValueError(f"{min(some & others)}: is named twice; expected it in one of [grid], [[list]] and [random]")
-    return [{key: value for part in parts for key, value in part.items()} for parts in product(*designs)]
+    return [{key: value for part in parts for key, value in part.items()} for parts in product(*taken)]
 
 
 def plan(points, replicas, seed):
     """The runs of these points. ValueError when two would be the same run."""
-    seen, runs = {}, []
+    seen: dict[bytes, int] = {}
+    runs = []
     for number, point in enumerate(points):
         digest = hashlib.sha256(json.dumps(_canonical(point), sort_keys=True).encode()).digest()
         if digest in seen:

@@ -1,5 +1,6 @@
 """Where the runs of a sweep are done: processes on this machine, a Dask cluster, SLURM. Each is an executor that is handed tasks."""
 
+import asyncio
 import json
 import os
 import signal
@@ -7,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+import uuid
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -20,6 +22,7 @@ STATUS = {child.DONE: "done", child.REFUSED: "refused", child.DISK_FULL: "disk f
 ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 OUTPUT = "output.txt"
 CONNECT_SECONDS = 30
+END_SECONDS = 60                # for the last checkpoints of runs that are told to end
 WALLTIME = "01:00:00"
 
 
@@ -42,6 +45,9 @@ class Children:
 
     def __init__(self):
         self._lock, self._running, self._ending = threading.Lock(), set(), False
+
+    def __len__(self):
+        return len(self._running)
 
     def add(self, process):
         with self._lock:
@@ -128,7 +134,7 @@ def pool(scheduler, workers, slurm, tell):
         except (OSError, TimeoutError, ValueError) as problem:
             raise ClusterLost(f"scheduler = {scheduler!r}: no cluster answers there ({problem}); expected the address of a Dask scheduler, "
                               "such as tcp://host:8786") from None
-        yield Cluster(client, scheduler)
+        yield Cluster(client, scheduler, tell)
 
 
 class ThisMachine:
@@ -155,12 +161,31 @@ class ThisMachine:
             raise
 
 
-class Cluster:
-    """A Dask cluster. Runs that are under way when the sweep ends are left to end there: who wants them again finds their results."""
+UNDER_WAY: dict[str, Children] = {}             # in a worker of a cluster: the processes of each sweep
 
-    def __init__(self, client, address):
-        self._client, self._address = client, address
-        self._executor = client.get_executor(pure=False)
+
+def attempt_there(sweep, task):
+    """`attempt`, on a worker of a cluster."""
+    return attempt(task, UNDER_WAY.setdefault(sweep, Children()))
+
+
+async def end_there(sweep):
+    """On a worker of a cluster: have the runs of a sweep end, and wait for them. -> how many there were."""
+    children = UNDER_WAY.setdefault(sweep, Children())
+    number, until = len(children), time.monotonic() + END_SECONDS
+    children.end()
+    while len(children) and time.monotonic() < until:
+        await asyncio.sleep(0.05)
+    return number
+
+
+class Cluster:
+    """A Dask cluster. When the sweep itself is killed, runs that are under way end there: who wants them again finds their results."""
+
+    def __init__(self, client, address, tell):
+        self._client, self._address, self._tell = client, address, tell
+        self._executor, self._futures = client.get_executor(pure=False), []
+        self._sweep = uuid.uuid4().hex
 
     @property
     def workers(self):
@@ -170,7 +195,8 @@ class Cluster:
             raise self._lost() from problem
 
     def submit(self, task):
-        return self._executor.submit(attempt, task)
+        self._futures.append(self._executor.submit(attempt_there, self._sweep, task))
+        return self._futures[-1]
 
     def outcome(self, future):
         try:
@@ -181,7 +207,16 @@ class Cluster:
             return Outcome("failed", f"{type(problem).__name__}: {problem}".splitlines()[0], 0.0)
 
     def end(self):
+        """Take back what waits, and end what is under way, in order; a second Ctrl-C does not wait for it."""
+        waited = any(not future.done() for future in self._futures)
         self._executor.shutdown(wait=False)
+        if waited:
+            self._tell("takes back what waits on the cluster, and ends the runs under way there")
+            try:
+                ended = self._client.run(end_there, self._sweep, on_error="ignore")
+            except (OSError, TimeoutError):             # it has gone, and took them with it
+                return
+            self._tell(f"{sum(ended.values())} runs under way on {len(ended)} workers were ended")
 
     def _lost(self):
         return ClusterLost(f"scheduler = {self._address!r}: the cluster went away")

@@ -3,9 +3,10 @@
 import errno
 import fcntl
 import json
-import os
 from contextlib import contextmanager
 from pathlib import Path
+
+from edmd.outputs import written_whole
 
 LOCK, RUNS, RESULT = "sweep.lock", "runs", "result.json"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
@@ -29,14 +30,8 @@ def write_result(directory, parameters, seed, result):
 
 
 def write_whole(path, data):
-    """A file that is there whole or not at all, whenever the process is killed or the disk is full."""
-    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    try:
+    with written_whole(path) as partial:
         partial.write_bytes(data)
-        os.replace(partial, path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from matplotlib.image import imread
 from runs import fcc, write_run
 
 import analysis
+from analysis import style
 from analysis.curves import describe, in_words
 
 POSITIONS, CELL = fcc(2)
@@ -104,3 +105,14 @@ def test_the_log_is_read_as_it_stands(tmp_path):
     log = analysis.read_log(write(tmp_path / "run.h5md", np.linspace(0.3, 0.7, 5)))
     np.testing.assert_array_equal(log["packing_fraction"], np.linspace(0.3, 0.7, 5))
     assert set(log) == {"time", "collisions", "packing_fraction", "reduced_pressure", "pressure", "temperature", "collision_rate"}
+
+
+@pytest.mark.parametrize(("limits", "labels"), [((0.3, 6.0), ["0.5", "1", "2", "5"]), ((1e-3, 1e2), None)])
+def test_short_logarithmic_axes_have_plain_numbers(limits, labels):
+    figure, axes = analysis.panels()
+    axes.set(xscale="log", xlim=limits)
+    style.plain_ticks(axes)
+    figure.canvas.draw()
+    low, high = axes.get_xlim()
+    shown = [text.get_text() for text, at in zip(axes.get_xticklabels(), axes.get_xticks()) if low <= at <= high]
+    assert shown == labels if labels else all("10^" in text for text in shown)

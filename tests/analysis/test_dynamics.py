@@ -76,6 +76,34 @@ def test_a_random_walk_is_isotropic_and_grows_as_the_time(tmp_path):
         assert np.all(np.abs(value[1:6] / (0.09 * directions * lag[1:6]) - 1) < 4 * sigma)
 
 
+def test_errors_are_what_means_of_other_bodies_differ_by(tmp_path):
+    """Of many random walks in copies of a run: the spread of the means is the error, which each run tells by itself."""
+    rng = np.random.default_rng(31)
+    copies, n, frames = 60, 80, 12
+    found = []
+    for copy in range(copies):
+        walk = np.cumsum(0.3 * rng.normal(size=(frames, n, 3)), axis=0)
+        path = write_run(tmp_path / f"{copy}.h5md", walk, random_quaternions(rng, frames * n).reshape(frames, n, 4), (0.3, 0.3, 0.6),
+                         99 * np.eye(3), np.arange(frames))
+        universe = mda.Universe(path)
+        moved, turned = analysis.MeanSquaredDisplacement(universe.atoms).run().results, \
+            analysis.OrientationalCorrelation(universe.atoms).run().results
+        found.append([[results[name], results[f"{name}_error"]] for results, names in
+                      ((moved, ("total", "parallel", "perpendicular")), (turned, ("c1", "c2"))) for name in names])
+        universe.trajectory.close()
+    means, errors = np.moveaxis(found, 2, 0)[:, :, :, 1:]
+    spread = means.std(axis=0, ddof=1)
+    assert np.abs(np.sqrt(np.mean(errors**2, axis=0)) / spread - 1).max() < 4 / np.sqrt(2 * copies)
+
+
+def test_one_body_has_no_error():
+    lag, means, errors = dynamics.squared_displacements(np.arange(12.0).reshape(4, 1, 3), np.tile([0, 0, 1.0], (4, 1, 1)), np.arange(4),
+                                                        None, None)
+    assert np.isfinite(means).all()
+    assert np.isnan(errors).all()
+    assert len(lag) == 4
+
+
 def test_einstein_msd_of_mdanalysis_agrees_in_its_precision(tmp_path):
     from MDAnalysis.analysis.msd import EinsteinMSD
 

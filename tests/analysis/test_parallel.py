@@ -7,35 +7,29 @@ import numpy as np
 import pytest
 
 import analysis
-from analysis.frames import FrameAnalysis, ThreadedAnalysis
+from analysis.frames import FrameAnalysis
 
 ARGUMENTS = {"StructureFactor": {"k_max": 4.0}, "CubaticOrder": {"all_axes": True}, "RadialDistribution": {"r_max": 2.5},
-             "OrientationalPairCorrelation": {"r_max": 2.5}, "CylindricalDistribution": {"r_max": 1.5}}
+             "OrientationalPairCorrelation": {"r_max": 2.5}, "CylindricalDistribution": {"r_max": 1.5},
+             "FreeVolumes": {"directions": 20}, "SteinhardtOrder": {"neighbors": 1}}
 CLASSES = {name: value for name, value in vars(analysis).items() if inspect.isclass(value) and issubclass(value, FrameAnalysis)}
-THREADED = {name: value for name, value in CLASSES.items() if issubclass(value, ThreadedAnalysis)}
-SPREAD = {name: value for name, value in CLASSES.items() if name not in THREADED}
 
 
 def test_all_are_here():
-    assert set(THREADED) == {"ContactNumbers", "FreeVolumes", "NearContacts", "SteinhardtOrder"}
-    assert set(ARGUMENTS) < set(SPREAD) == {
-        "BiaxialOrder", "CubaticOrder", "CylindricalDistribution", "MeanSquaredDisplacement", "NematicOrder", "OrientationalCorrelation",
-        "OrientationalPairCorrelation", "RadialDistribution", "StructureFactor"}
+    assert set(ARGUMENTS) < set(CLASSES) == {
+        "BiaxialOrder", "ContactNumbers", "CubaticOrder", "CylindricalDistribution", "FreeVolumes", "MeanSquaredDisplacement",
+        "NearContacts", "NematicOrder", "OrientationalCorrelation", "OrientationalPairCorrelation", "RadialDistribution", "SteinhardtOrder",
+        "StructureFactor"}
 
 
-@pytest.mark.parametrize("name", ["ContactNumbers", "FreeVolumes", "NearContacts"])
-def test_what_has_threads_of_its_own_refuses_processes(moving, name):
-    """In a fork its threads would wait for ever."""
-    with pytest.raises(ValueError, match="Can not parallelize"):
-        THREADED[name](mda.Universe(moving[0]).atoms).run(backend="multiprocessing", n_workers=2)
-
-
-@pytest.mark.parametrize("name", SPREAD)
-def test_two_processes_give_the_same(moving, name):
+@pytest.mark.parametrize(("name", "backend"), [*((name, "multiprocessing") for name in CLASSES), ("ContactNumbers", "dask")])
+def test_two_processes_give_the_same(moving, name, backend):
+    if name == "SteinhardtOrder":
+        pytest.importorskip("freud")
     atoms = mda.Universe(moving[0]).select_atoms("species 0 1")
     analysis.ContactNumbers(atoms).run(stop=1)                  # its threads are there when the process forks
-    found = [SPREAD[name](atoms, **ARGUMENTS.get(name, {})).run(**options).results
-             for options in ({}, {"backend": "multiprocessing", "n_workers": 2})]
+    found = [CLASSES[name](atoms, **ARGUMENTS.get(name, {})).run(**options).results
+             for options in ({}, {"backend": backend, "n_workers": 2})]
     assert set(found[0]) == set(found[1]) != set()
     for key, value in found[0].items():
         np.testing.assert_array_equal(found[1][key], value, err_msg=key)

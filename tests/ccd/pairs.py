@@ -39,6 +39,16 @@ def single(flights, k):
             ccd.FreeFlight(flights.velocity[k], flights.angular_velocity[k], flights.growth_rate[k]))
 
 
+def assert_touches_there(contact, courses, k, on_surface, normal):
+    """The k-th bodies of both courses (as `Flights`) are touched at the point of the contact, and their outward normals are its normal."""
+    for course, sign in zip(courses, (1, -1)):
+        center, axes = course.pick([k]).at(np.array([contact.time]))
+        local = np.linalg.solve(axes[0], contact.point - center[0])
+        assert abs(local @ local - 1) < on_surface
+        outward = np.linalg.solve(axes[0].T, local)
+        np.testing.assert_allclose(sign * outward / np.linalg.norm(outward), contact.normal, rtol=0, atol=normal)
+
+
 def semi_axis_vectors(ellipsoid):
     """As the oracles take them: columns (3, 3)."""
     return ellipsoid.rotation_matrix * ellipsoid.semi_axes

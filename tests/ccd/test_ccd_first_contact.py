@@ -8,7 +8,7 @@ import numba
 import numpy as np
 import pytest
 import reference
-from pairs import bodies, meeting, single
+from pairs import assert_touches_there, bodies, meeting, single
 
 import ccd
 from ccd import Ellipsoid, FreeFlight, Rest, Status, queries
@@ -259,13 +259,7 @@ def test_at_a_contact_the_bodies_touch_there():
         if found.status != Status.CONTACT:
             continue
         seen += 1
-        time = np.array([found.time])
-        for pair, sign in ((a, 1), (b, -1)):
-            center, axes = pair.pick([k]).at(time)
-            local = np.linalg.solve(axes[0], found.point - center[0])
-            assert local @ local == pytest.approx(1, abs=1e-9)
-            outward = np.linalg.solve(axes[0].T, local)
-            np.testing.assert_allclose(sign * outward / np.linalg.norm(outward), found.normal, rtol=0, atol=1e-7)
+        assert_touches_there(found, (a, b), k, 1e-9, 1e-7)
     assert seen > 20
 
 

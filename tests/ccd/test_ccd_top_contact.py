@@ -4,7 +4,7 @@ import dense
 import numpy as np
 import pytest
 import tops
-from pairs import bodies, directions, meeting
+from pairs import assert_touches_there, bodies, directions, meeting
 
 import ccd
 from ccd import Ellipsoid, FreeFlight, Rest, Status, top_contact
@@ -146,12 +146,7 @@ def test_at_a_contact_the_bodies_touch_there():
         if found.status != Status.CONTACT:
             continue
         seen += 1
-        for course, sign in zip(courses, (1, -1)):
-            center, axes = course.pick([k]).at(np.array([found.time]))
-            local = np.linalg.solve(axes[0], found.point - center[0])
-            assert local @ local == pytest.approx(1, abs=1e-8)
-            outward = np.linalg.solve(axes[0].T, local)
-            np.testing.assert_allclose(sign * outward / np.linalg.norm(outward), found.normal, rtol=0, atol=1e-6)
+        assert_touches_there(found, courses, k, 1e-8, 1e-6)
     assert seen > 8
 
 
@@ -169,7 +164,7 @@ def test_only_the_ratios_of_the_moments_matter():
     same(ccd.batch.first_contact(free(a, 1e-40 * moments), free(b, 1e30 * moments)), expected, 1e-12)
 
 
-@pytest.mark.parametrize(("moments", "words"), [((1, 2), "^moments.*three positive moments"), ((1, 0, 2), "^moments.*must be positive"),
+@pytest.mark.parametrize(("moments", "words"), [((1, 2), "^moments.*three positive moments"), ((1, 0, 2), "^moments.*expected positive"),
                                                 ((1, np.inf, 2), "^moments.*finite")])
 def test_moments_that_no_body_has_are_refused(moments, words):
     with pytest.raises(ValueError, match=words):

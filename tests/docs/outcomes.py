@@ -19,6 +19,7 @@ def analysis(names):
     assert names["pressure"] == pytest.approx(7.96, abs=4 * names["error"])         # docs/validation.md: 1:1:2 at 0.40
     assert 0.002 < names["error"] < 0.05
     assert Path("g.png").stat().st_size > 5000
+    assert Path("displacement.png").stat().st_size > 5000
 
 
 def runs(names):

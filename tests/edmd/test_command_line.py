@@ -1,10 +1,13 @@
 """The command line: what it prints, what it writes, and its exit status."""
 
+import json
 import os
 import re
+import resource
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import h5py
@@ -50,9 +53,31 @@ def test_info(packed, capsys):
     assert main(["info", str(packed[0])]) == 0
     told = capsys.readouterr().out
     assert re.search(r"bodies +32\n", told)
-    assert re.search(r"complete +True\n", told)
+    assert re.search(r"complete +yes\n", told)
     assert re.search(r"written by +edmd " + re.escape(edmd.__version__), told)
     assert f"{read_system(packed[0]).packing_fraction:.9f}" in told
+    contacts = re.search(r"contacts a body +([\d.]+)", packed[1].stdout)[1]
+    assert f"{contacts} (gap below 1.0e-02" in told          # as `edmd pack` counted them
+    assert main(["info", str(packed[0]), "--contact-gap", "1e-14"]) == 0
+    assert "contacts a body   nan (gap below 1.0e-14" in capsys.readouterr().out
+
+
+def test_info_ends_with_the_config_as_it_can_be_run(packed, capsys):
+    assert main(["info", str(packed[0])]) == 0
+    text = capsys.readouterr().out.split("parameters:\n\n")[1]
+    with h5py.File(packed[0]) as file:
+        assert edmd.read_config(tomllib.loads(text)) == edmd.read_config(json.loads(file["edmd"].attrs["parameters"]))
+    assert "or:" not in text
+
+
+def test_info_for_machines(packed, capsys):
+    assert main(["info", "--json", str(packed[0]), "--contact-gap", "1e-14"]) == 0
+    told = json.loads(capsys.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    assert (told["complete"], told["bodies"], told["seed"], told["rule"]) == (True, 32, 0, {"kind": "elastic"})
+    assert told["packing_fraction"] == pytest.approx(read_system(packed[0]).packing_fraction, rel=1e-12)
+    assert told["parameters"]["stage"][-1]["until_pressure"] == 1e4
+    assert told["contact_number"] is None
+    assert told["rattlers"] == 32
 
 
 def test_verify(packed, capsys):
@@ -73,6 +98,34 @@ def test_pictures(packed, capsys, tmp_path, command, suffix):
     assert main([command, str(path), *more, "--overwrite"]) == 0
     assert main([command, str(path), *more, "-o", str(tmp_path / "other.png")]) == 0
     assert (tmp_path / "other.png").stat().st_size > 500
+
+
+def test_a_file_in_which_frames_are_missing(packed, capsys, tmp_path):
+    """What is whole is used, what is not is named, with exit status 1 by verify and 2 where it is needed."""
+    path = tmp_path / "short.h5md"
+    path.write_bytes(packed[0].read_bytes())
+    with h5py.File(path, "a") as file:
+        frames = len(file["particles/trajectory/position/step"])
+        file["particles/trajectory/velocity/value"].resize(frames - 2, axis=0)
+    assert main(["verify", str(path)]) == 1
+    told = capsys.readouterr()
+    assert f"frame {frames - 2} is not whole" in told.err
+    assert re.search(r"problems +2\n", told.out)
+    assert main(["info", str(path)]) == 0
+    assert f"{frames - 2} of {frames}: the others are not whole" in capsys.readouterr().out
+    assert main(["export", str(path), "-o", str(tmp_path / "out.xyz")]) == 2
+    assert f"frame {frames - 2} is not whole" in capsys.readouterr().err
+    assert main(["export", str(path), "-o", str(tmp_path / "out.xyz"), "--frames", f":{frames - 2}"]) == 0
+
+
+def test_a_full_disk_is_told_with_the_file(packed, tmp_path):
+    """A limit on the size of files stands for it."""
+    output = tmp_path / "picture.png"
+    done = subprocess.run([sys.executable, "-m", "edmd", "plot", str(packed[0]), "-o", str(output)], cwd=ROOT, capture_output=True,
+                          text=True, env={**os.environ, "PYTHONPATH": str(ROOT)},
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000)))
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"edmd plot: output = {str(output)!r}: File too large")
 
 
 def test_verify_of_a_tampered_file(packed, capsys, tmp_path):

@@ -132,7 +132,7 @@ def test_interrupted_and_resumed(whole, tmp_path, moment, number):
 
 
 def test_what_was_written_after_the_checkpoint_is_cut_off(whole, tmp_path):
-    """An observer that fails, twice, long after the only checkpoint, which is made at the first moment."""
+    """An observer that fails, twice, long after the only checkpoint, which is made before the stage."""
     path = tmp_path / "run.h5md"
 
     def fail():
@@ -144,12 +144,30 @@ def test_what_was_written_after_the_checkpoint_is_cut_off(whole, tmp_path):
     assert written > 10
     seen = []
     with pytest.raises(RuntimeError, match="power cut"):
-        edmd.resume(path, observers=[edmd.Observer(edmd.Every(collisions=77), lambda view: seen.append(view) or len(seen) < 9 or fail())])
+        edmd.resume(path, observers=[edmd.Observer(edmd.Every(collisions=77), lambda view: seen.append(view) or len(seen) < 2 or fail())])
     assert frames(path) < written
     edmd.resume(path)
     assert datasets(path) == datasets(whole[0])
     collisions = [json.loads(line)["collisions"] for line in path.with_suffix(".log.jsonl").read_text().splitlines()]
     assert collisions == sorted(set(collisions))
+
+
+@pytest.mark.parametrize("stage", range(4))
+def test_ended_as_a_stage_begins_and_resumed(whole, tmp_path, stage):
+    """Before its first event: the run goes on from the checkpoint that was made before the stage."""
+    class PowerCut(edmd.Observer):
+        begun = 0
+
+        def start(self, view):
+            self.begun += 1
+            if self.begun > stage:
+                raise RuntimeError("power cut")
+
+    path = tmp_path / "run.h5md"
+    with pytest.raises(RuntimeError, match="power cut"):
+        edmd.run(DOCUMENT, output=path, observers=[PowerCut(edmd.Every(time=1e9))])
+    assert independent.same_bits(edmd.resume(path).system, whole[1].system)
+    assert datasets(path) == datasets(whole[0])
 
 
 def command(*arguments, **options):
@@ -164,9 +182,12 @@ def test_killed_at_random_moments_and_resumed(whole, tmp_path):
                                      *DOCUMENT["stage"][1:]]}
     config.write_text(config_text(document))
     draw, checkpoint = random.Random(seed), path.with_suffix(".checkpoint.npz")
-    for arguments in (["run", config, "-o", path, "--set", "output.checkpoint=0.1", "--quiet"], ["resume", path, "--quiet"]):
-        began, process = time.time(), command(*arguments)
-        while process.poll() is None and not (checkpoint.exists() and checkpoint.stat().st_mtime > began):
+    for arguments, wanted in ((["run", config, "-o", path, "--set", "output.checkpoint=0.1", "--quiet"], 2),
+                              (["resume", path, "--quiet"], 1)):
+        began, process, made = time.time(), command(*arguments), set()          # the first is made before the first event
+        while process.poll() is None and len(made) < wanted:
+            if checkpoint.exists() and checkpoint.stat().st_mtime > began:
+                made.add(checkpoint.stat().st_mtime_ns)
             time.sleep(0.01)
         time.sleep(draw.uniform(0, 0.5))
         process.kill()
@@ -285,8 +306,12 @@ def test_resume_of_files_that_are_not_whole(damage, words, tmp_path, capsys):
 
 
 def test_resume_of_a_run_that_is_complete_or_going_on(whole, tmp_path, capsys):
-    assert main(["resume", str(whole[0])]) == 2
-    assert "complete" in capsys.readouterr().err
+    before = whole[0].read_bytes()
+    assert main(["resume", str(whole[0])]) == 0
+    assert capsys.readouterr() == (f"{whole[0]}: the run is complete, nothing is left to do\n", "")
+    with pytest.raises(edmd.RunComplete, match="complete"):
+        edmd.resume(whole[0])
+    assert whole[0].read_bytes() == before
     path, told = tmp_path / "run.h5md", []
 
     def meddle():
@@ -301,7 +326,7 @@ def test_resume_of_a_run_that_is_complete_or_going_on(whole, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("override", [
-    "system.packing_fraction=0.95", "stage.1.rate=-0.01", "stage.3.frames={time = 0}", "stage.2.until_packing_fraction=2",
+    "system.packing_fraction=0.95", "stage.1.rate=0", "stage.3.frames={time = 0}", "stage.2.until_packing_fraction=2",
     "stage.0={kind = 'compress', rate = -0.1, until_packing_fraction = 0.4}", "output.file=missing/run.h5md", "system.kind=file",
     "system={kind = 'lattice', packing_fraction = 0.9}", "system={kind = 'crystal', n = 3}", "seed=one", "system.n=1",
 ])

@@ -28,7 +28,7 @@ def test_run_wants_exactly_one_positive_length(simulation, arguments):
     {"rate": 0.0, "until_pressure": 100}, {"rate": np.nan, "until_pressure": 100}, {"rate": "fast", "until_pressure": 100},
     {"rate": np.inf, "until_pressure": 100}, {"rate": 0.1}, {"rate": 0.1, "until_pressure": 100, "until_packing_fraction": 0.5},
     {"rate": 0.1, "until_pressure": 1.0}, {"rate": 0.1, "until_pressure": -5}, {"rate": 0.1, "until_pressure": np.nan},
-    {"rate": 0.1, "until_pressure": 1e15}, {"rate": -0.1, "until_pressure": 100}, {"rate": 0.1, "until_packing_fraction": 0.3},
+    {"rate": 0.1, "until_pressure": 1e15}, {"rate": -0.1, "until_pressure": 0.9}, {"rate": 0.1, "until_packing_fraction": 0.3},
     {"rate": 0.1, "until_packing_fraction": 1.0}, {"rate": 0.1, "until_packing_fraction": np.nan},
     {"rate": -0.1, "until_packing_fraction": 0.5}, {"rate": -0.1, "until_packing_fraction": 0.0},
 ])
@@ -200,3 +200,15 @@ def test_momentum_moves_the_whole_and_images_count_the_turns():
     simulation.run(time=40.0)
     last, images = simulation.synchronised()
     assert (last.positions + images @ last.box).mean(axis=0) - x == pytest.approx([120.0, 0, 0], abs=1e-9)
+
+
+def test_a_body_in_a_cell_that_it_does_not_fit_into():
+    with pytest.raises(ValueError, match=r"body 0 and its own periodic image overlap.*0\.75.*larger box"):
+        edmd.Simulation(edmd.System([[1, 1, 1]], [[1, 0, 0, 0]], (1, 1, 2), 3.0))
+
+
+def test_of_a_large_array_the_message_names_the_first_bad_number():
+    axes = np.ones((1000, 3))
+    axes[600, 2] = -1
+    with pytest.raises(ValueError, match=r"^semi_axes\[600, 2\] = -1\.0: expected positive semi-axes$"):
+        edmd.System(np.zeros((1000, 3)), np.ones((1000, 4)), axes, 50.0)

@@ -13,7 +13,7 @@ import dask
 import psutil
 import pytest
 import swept
-from test_sweeps import HERE, logged, same_tables, wait_for
+from test_sweeps import CONFIG, HERE, command, logged, same_tables, under_way, wait_for
 
 import edmd
 from edmd.sweeps.campaign import SweepStopped
@@ -98,6 +98,25 @@ def test_a_worker_is_killed_and_then_the_scheduler(at_once, tmp_path):
         thread.join()
     edmd.sweep(swept.slow, GRID, tmp_path / "lost")
     assert same_tables(at_once, tmp_path / "lost")
+
+
+def test_interrupted(tmp_path):
+    """Ctrl-C: the two runs under way on the cluster end after a last checkpoint, and the third is not begun."""
+    directory, file = tmp_path / "sweep", tmp_path / "sweep.toml"
+    file.write_text(CONFIG.format(directory=directory).replace("[0.02, 0.05]", "[0.02, 0.03, 0.04]"))
+    with cluster(tmp_path) as (address, *_):
+        process = command(str(file), "--scheduler", address)
+        wait_for(lambda: len(under_way(directory)) == 2)
+        children = [child for _, child in under_way(directory)]
+        process.send_signal(signal.SIGINT)
+        told = process.communicate()[1]
+        assert process.returncode == 130
+        assert not any(child.is_running() for child in children)
+        assert "2 runs under way on 2 workers were ended" in told
+        assert "interrupted; 0 of 3 runs are done, and the same command does the rest" in told
+        assert "Traceback" not in told
+        assert [len(list(directory.glob(f"runs/*/{name}"))) for name in ("run.checkpoint.npz", "run.h5md", "result.json")] == [2, 2, 0]
+        assert len(list(directory.glob("runs/*"))) == 2
 
 
 def test_no_cluster_at_this_address(tmp_path, monkeypatch):
