@@ -43,7 +43,7 @@ def watch(world, entry):
 def _watch_balls(world, entry, own, other):
     span, gap, rate, r = meeting_of_balls(world, entry, own, other)
     now, reach = world.clock[NOW], (own[2] + other[2]) * size_now(world.clock)
-    touches = rate < 0 and (gap <= TOUCHING * reach + world.clock[ROUNDING] or now + span == now)       # positions are known no better
+    touches = rate < 0 and (gap <= TOUCHING * reach + world.clock[ROUNDING] or now + span == now)
     hold_until(world, entry, now + span)
     return touches, rate, scale(1.0 / norm(r), r)
 
@@ -72,7 +72,7 @@ def _watch_ellipsoids(world, entry, own, other):
             break
         found = False                       # the plane, aimed ahead, cuts into the bodies now
     span = within(reach, holding_time(gap, rate, bend), bend)
-    touches = rate < 0 and found and (gap <= TOUCHING * supports or now + span == now)
+    touches = rate < 0 and found and (gap <= TOUCHING * supports + clock[ROUNDING] or now + span == now)       # positions are known no better
     if touches or span > soon:              # the bound on record looks further ahead, and is less sharp
         span = max(span, record(world, entry, own, other, n))
     hold_until(world, entry, now if touches else now + span)

@@ -139,6 +139,23 @@ def test_a_contact_in_a_wide_cell(shape, edge):
         large.verify()
 
 
+@pytest.mark.parametrize("shape", PAIR)
+def test_a_contact_in_a_wide_cell_at_an_early_time(shape):
+    """Time is known far better than positions then: steps that move no body must not go on for ever."""
+    edge, before = 1e4, 1e-3
+    for offset in np.linspace(0.02, 0.3, 15):
+        start = head_on(PAIR[shape], 20.0, 6.0, offset)
+        contact = edmd.Simulation(start).run(collisions=1).time
+        bodies, images = edmd.Simulation(start).run(time=contact - before).synchronised()
+        large = edmd.Simulation(edmd.System(bodies.positions + images @ bodies.box + 0.98 * (edge - 20), bodies.orientations, PAIR[shape],
+                                            edge, bodies.velocities, bodies.angular_velocities))
+        with within(2):
+            large.run(collisions=1)
+        assert large.time == pytest.approx(before, abs=1e-14 * edge)
+        assert abs(independent.smallest_scale(large.system) - 1) < 1e-14 * edge
+        large.verify()
+
+
 def test_spheres_that_meet_after_thousands_of_diameters():
     """A quadratic has the answer; the flight goes through a face of the cell."""
     apart, offset = 5000.0, 0.6
