@@ -72,7 +72,7 @@ def _watch_ellipsoids(world, entry, own, other):
             break
         found = False                       # the plane, aimed ahead, cuts into the bodies now
     span = within(reach, holding_time(gap, rate, bend), bend)
-    touches = rate < 0 and found and (gap <= TOUCHING * supports + clock[ROUNDING] or now + span == now)       # positions are known no better
+    touches = rate < 0 and found and (gap <= TOUCHING * supports + clock[ROUNDING] or now + span == now)     # known no better
     if touches or span > soon:              # the bound on record looks further ahead, and is less sharp
         span = max(span, record(world, entry, own, other, n))
     hold_until(world, entry, now if touches else now + span)
