@@ -24,7 +24,8 @@ def kernel_sources(package):
     """Files of a package that hold a kernel, and every file of these packages that they import, directly or not: name -> text."""
     texts = {str(path.relative_to(ROOT))[:-3].replace(os.sep, ".").removesuffix(".__init__"): path.read_bytes()
              for each in PACKAGES for path in (ROOT / each).rglob("*.py")}
-    reached = {name for name, text in texts.items() if name.startswith(f"{package}.") and re.search(rb"^@(parallel_)?kernel", text, re.M)}
+    reached = {name for name, text in texts.items()
+               if name.startswith(f"{package}.") and re.search(rb"^@(parallel_|large_)?kernel", text, re.M)}
     frontier = list(reached)
     while frontier:
         for module, names in _IMPORT.findall(texts[frontier.pop()].decode()):
@@ -84,6 +85,11 @@ def kernel(function):
     A kernel allocates nothing and counts no references: one that returns a view of an array is called by kernels only.
     """
     return _compile(function, nogil=True, error_model="numpy", _nrt=False, forceinline=True)
+
+
+def large_kernel(function):
+    """`kernel` that the compiler need not copy to wherever it is called: one that is long, and wanted in several places."""
+    return _compile(function, nogil=True, error_model="numpy", _nrt=False)
 
 
 def parallel_kernel(function):

@@ -7,7 +7,7 @@ r is the vector from the centre of A to the centre of B.
 
 from math import sqrt
 
-from ccd.compiling import kernel
+from ccd.compiling import kernel, large_kernel
 from ccd.tolerances import PENCIL_STEPS
 from ccd.vectors import add_scaled, cross, dot, norm, scale, subtract
 
@@ -199,7 +199,7 @@ def normal(a, b, r, x):
     return scale(1.0 / norm(n), n)
 
 
-@kernel
+@large_kernel
 def best_plane(s_a, s_b, r, start, precision):
     """Maximise the contact function of two bodies given by semi-axis vectors. -> unit normal, lambda, converged."""
     a, b = shape_matrix(s_a), shape_matrix(s_b)

@@ -13,9 +13,20 @@ from edmd.inertia import angular_momenta, motions, rotational_degrees
 from edmd.neighbors import DONE
 from edmd.prediction import COLUMNS
 from edmd.rules.kinds import KIND, ROUGH, rule_row
-from edmd.state import Calendar, Contacts, Grid, Lists, World
+from edmd.state import Calendar, Cells, Contacts, Grid, Lists, World
 from edmd.system import wrap
-from edmd.tolerances import CELL_FRACTION, DRIFTED, EPOCH_COLLISIONS, EPOCH_LEAST, LIST_ROOM, MARGIN, MORE_ROOM, REFINE_BELOW
+from edmd.tolerances import (
+    CELL_BODIES,
+    CELL_ROOM,
+    DRIFTED,
+    EPOCH_COLLISIONS,
+    EPOCH_LEAST,
+    LIST_ROOM,
+    MARGIN,
+    MORE_ROOM,
+    NARROWEST,
+    REFINE_BELOW,
+)
 
 
 def build_world(system, rule):
@@ -23,18 +34,19 @@ def build_world(system, rule):
     n = system.n
     contacts = Contacts(rule_row(rule), np.full(n, -np.inf))
     kinds, kind = _kind_rows(system, contacts.rule[KIND] == ROUGH)
+    kinds[:, state.LEVEL] = _levels(kinds)
     bodies = _body_rows(system, kinds, kind)
     longest = kinds[:, state.LARGEST] + kinds[:, state.MARGIN_LENGTH]
     _check_cell(system, longest.max())
     clock = np.zeros(state.CLOCK_ROW)
     clock[state.SIZE] = 1.0
-    clock[state.REACH] = longest.max()
     clock[state.ROUNDING] = np.finfo(float).eps * np.abs(system.box).sum()
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     tally[state.ENTRIES] = n * LIST_ROOM
     world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
-                  _grid(system, 2 * longest.max()), _calendar(n), clock, tally, contacts, np.zeros(COLUMNS))
+                  _grid(system), _cells(system, kinds, kind), _calendar(n), clock, tally, contacts, np.zeros(COLUMNS),
+                  np.zeros(state.WATCHED_ROOM, dtype=np.int32))
     set_pace(world, system.velocities)
     clock[state.ENERGY] = kinetic_energy(world)
     mass, drift = mean_velocity(world)
@@ -60,8 +72,8 @@ def set_pace(world, velocities):
 def with_room(world, action, *arguments):
     """Run a kernel that may need longer lists; it is asked again with more room as often as it says so. -> world, status."""
     status = action(world, *arguments)
-    while status == Ended.LIST_FULL:
-        world = _packed(world)
+    while status == Ended.NO_ROOM:
+        world = _packed(_with_roomy_cells(world))
         status = action(world, *arguments)
     return world, status
 
@@ -97,12 +109,12 @@ def flattened(world, prefix=""):
 
 def unflattened(arrays):
     """The World of `flattened` arrays."""
-    parts = {"grid": Grid, "calendar": Calendar, "contacts": Contacts}
+    parts = {"grid": Grid, "cells": Cells, "calendar": Calendar, "contacts": Contacts}
     fields = {name: kind(*(np.ascontiguousarray(arrays[f"{name}.{field}"]) for field in kind._fields)) for name, kind in parts.items()}
     for name in ("bodies", "anchors"):
         fields[name] = _aligned_copy(arrays[name])
     lists = _views(np.ascontiguousarray(arrays["lists.spans"]), _aligned_copy(arrays["lists.numbers"]), arrays["lists.seen"])
-    return World(lists=lists, **{name: arrays[name] for name in ("kinds", "image", "clock", "tally", "columns")}, **fields)
+    return World(lists=lists, **{name: arrays[name] for name in ("kinds", "image", "clock", "tally", "columns", "watched")}, **fields)
 
 
 def cell_too_small(box):
@@ -172,16 +184,49 @@ def _calendar(n):
     return Calendar(np.full(2 * leaves, np.inf), node_bodies, np.full(n, -1, dtype=np.int32))
 
 
-def _grid(system, reach):
+def _grid(system):
     inverse = np.linalg.inv(system.box)
     heights = 1 / np.sqrt((inverse**2).sum(axis=0))
-    width = max(CELL_FRACTION * reach, (system.volume / (4 * system.n))**(1 / 3))
-    shape = np.maximum(np.floor(heights / width), 1).astype(np.int64)
-    normals = inverse / np.sqrt((inverse**2).sum(axis=0))
-    skew = 1 / np.linalg.eigvalsh(normals.T @ normals).max()
-    heights = np.append(heights, skew)
-    return Grid(shape, np.full(shape.prod(), -1, dtype=np.int32), np.zeros(system.n, dtype=np.int32),
-                np.full(system.n, -1, dtype=np.int32), system.box.copy(), inverse, heights)
+    normals = inverse * heights
+    return Grid(system.box.copy(), inverse, np.append(heights, 1 / np.linalg.eigvalsh(normals.T @ normals).max()))
+
+
+def _levels(kinds):
+    """The level of size (kinds,) of each kind: the radii of its neighbourhoods within a level differ by a factor of two at most."""
+    radius = kinds[:, state.LARGEST] + kinds[:, state.MARGIN_LENGTH]
+    return np.unique(np.floor(np.log2(radius / radius.min())), return_inverse=True)[1].ravel()
+
+
+def _cells(system, kinds, kind):
+    """Empty grids, one for each level."""
+    level = kinds[:, state.LEVEL].astype(int)
+    heights = _grid(system).heights[:3]
+    levels, reaches, cells = np.zeros((level.max() + 1, state.LEVEL_ROW), dtype=np.int64), np.zeros((level.max() + 1, 2)), 0
+    for k in range(len(levels)):
+        reaches[k, 0] = (kinds[level == k, state.LARGEST] + kinds[level == k, state.MARGIN_LENGTH]).max()
+        width = max(NARROWEST * reaches[k, 0], np.cbrt(CELL_BODIES * system.volume / max((level[kind] == k).sum(), 1)))
+        levels[k, :3] = np.maximum(np.floor(heights / width), 1)
+        levels[k, state.FIRST_CELL] = cells
+        cells += levels[k, :3].prod()
+        reaches[k, 1] = np.abs(system.box / levels[k, :3, None]).sum()
+    return _empty_cells(levels, reaches, cells, system.n, CELL_ROOM)
+
+
+def _empty_cells(levels, reaches, cells, n, room):
+    return Cells(levels, reaches, np.zeros((cells, room, 4), dtype=np.float32), np.zeros((cells, room), dtype=np.int32),
+                 np.zeros(cells, dtype=np.int32), np.full((n, 2), -1, dtype=np.int32),
+                 np.zeros(state.HITS + room, dtype=np.int64))
+
+
+def _with_roomy_cells(world):
+    """The same world with twice the room in every cell of its grids, if one of them is full."""
+    old = world.cells
+    cells, room = old.bodies.shape
+    if (old.count < room).all():
+        return world
+    new = _empty_cells(old.levels, old.reaches, cells, len(old.where), 2 * room)
+    new.places[:, :room], new.bodies[:, :room], new.count[:], new.where[:] = old.places, old.bodies, old.count, old.where
+    return world._replace(cells=new)
 
 
 def _packed(world):

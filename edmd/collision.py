@@ -5,7 +5,7 @@ from ccd.rotation import body_axes, load_quaternion
 from ccd.separation import support, support_point
 from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, store, subtract
 from edmd.flight import kind_of, load_vectors, turning
-from edmd.prediction import size_now
+from edmd.pairs import size_now
 from edmd.rules import elastic, rough
 from edmd.rules.kinds import CONTACT_TIME, ELASTIC, KIND, PARAMETERS, ROUGH, smooth_restitution
 from edmd.state import (

@@ -4,9 +4,10 @@ from ccd.compiling import kernel
 from edmd.collision import collide
 from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
-from edmd.prediction import look, predict, reschedule
-from edmd.state import BEGIN, COLLISIONS, COUNT, EVENT, EVENTS, FAINT, INSTANT, NEXT_EPOCH, NOW, PARTNER, STANDING
+from edmd.prediction import predict, reschedule
+from edmd.state import BEGIN, COLLISIONS, COUNT, EVENT, EVENTS, FAINT, INSTANT, NEXT_EPOCH, NOW, PARTNER, STANDING, WATCHED
 from edmd.tolerances import EVENTS_AT_ONCE, FAINT_COLLISIONS, FOREVER, STALL_EVENTS
+from edmd.watching import watch
 
 ESCAPE = int(EventKind.ESCAPE)
 TIME, COLLISIONS_REACHED, EPOCH, PAUSED, STALLED, AT_REST = (int(Ended.TIME), int(Ended.COLLISIONS), int(Ended.EPOCH),
@@ -34,21 +35,24 @@ def advance_events(world, until_time, until_collisions):
             return STALLED
         clock[NOW] = max(time, clock[NOW])
         tally[EVENTS] += 1
-        slot, partner, touches = int(calendar.slot[body]), body, False
+        slot, partner, watched, tally[WATCHED] = int(calendar.slot[body]), body, 0, 0
+        entry = int(lists.spans[body, BEGIN]) + slot
         if slot == ESCAPE:
             status = escape(world, body)
             if status != DONE:
                 return status
-        elif slot < lists.spans[body, COUNT] and lists.numbers[lists.spans[body, BEGIN] + slot, EVENT] == time:
-            entry = int(lists.spans[body, BEGIN]) + slot
-            touches, rate, n = look(world, body, entry)
-            if touches:
+        elif slot < lists.spans[body, COUNT] and lists.numbers[entry, EVENT] == time:
+            world.watched[0], tally[WATCHED] = entry, 1
+        while watched < tally[WATCHED]:
+            touches, rate, n = watch(world, int(world.watched[watched]))
+            watched += 1
+            if touches and watched == 1:
                 partner = int(lists.links[entry, PARTNER])
                 collide(world, body, partner, n, rate)
-        for turn in range(2 if touches else 1):
-            one = body if turn == 0 else partner
-            if touches:
-                predict(world, one)
-                set_escape(world, one)
-            reschedule(world, one)
+                for one in (body, partner):
+                    predict(world, one)
+                    set_escape(world, one)
+        reschedule(world, body)
+        if partner != body:
+            reschedule(world, partner)
     return PAUSED

@@ -8,7 +8,8 @@ from ccd.compiling import kernel
 from ccd.vectors import add_scaled, dot, load, scale, store, subtract
 from edmd.flight import advance_all, kind_of, turning
 from edmd.neighbors import DONE, rebuild, set_escape
-from edmd.prediction import predict, reschedule, size_now
+from edmd.pairs import size_now
+from edmd.prediction import predict, reschedule
 from edmd.rules.kinds import ELASTIC, KIND, set_contact_time
 from edmd.state import (
     ACROSS,
@@ -47,6 +48,7 @@ from edmd.state import (
     VECTORS,
     VELOCITY,
     VIRIAL,
+    WATCHED,
 )
 from edmd.tolerances import (
     DRIFTED,
@@ -57,6 +59,7 @@ from edmd.tolerances import (
     INSTANT_SHARE,
     REFINE_BELOW,
 )
+from edmd.watching import watch
 
 
 @kernel
@@ -216,7 +219,10 @@ def predict_all(world):
     energy_counted(world)
     advance_all(world.bodies, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):
+        world.tally[WATCHED] = 0
         predict(world, body)
+        for k in range(world.tally[WATCHED]):
+            watch(world, int(world.watched[k]))
         set_escape(world, body)
     reschedule_all(world)
 

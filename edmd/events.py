@@ -15,7 +15,7 @@ class Ended(IntEnum):
     TIME = 0                # the wanted time is reached
     COLLISIONS = 1          # the wanted number of collisions is reached
     EPOCH = 2               # time for the periodic upkeep (edmd/epoch.py)
-    LIST_FULL = 3           # a neighbour list or the pair table needs more room; nothing is lost, enlarge and go on
+    NO_ROOM = 3             # a neighbour list or a cell of a grid needs more room; nothing is lost, enlarge and go on
     CELL_TOO_SMALL = 4      # a body has come near its own periodic image
     PAUSED = 5              # many events went by; Python may want to look for an interrupt
     STALLED = 6             # events go on but time stands still, or collisions that are nothing but rounding

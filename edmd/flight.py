@@ -1,6 +1,6 @@
 """Bring a body up to date: straight flight, and rotation of its shape."""
 
-from ccd.compiling import kernel
+from ccd.compiling import kernel, large_kernel
 from ccd.free_top import angular_acceleration, angular_velocity, fastest_turning, turn_freely
 from ccd.precession import NO_AXIS
 from ccd.rotation import body_axes, load_quaternion, turn
@@ -93,7 +93,7 @@ def _swing(row, kind, spin):
     return norm(spin if axis >= NO_AXIS else cross(spin, scale(1.0 / kind[SEMI_AXES + axis], load(row, VECTORS + 3 * axis))))
 
 
-@kernel
+@large_kernel
 def advance(row, kind, now):
     """Move the body of this row to the present."""
     time = now - row[TIME]

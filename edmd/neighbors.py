@@ -5,7 +5,7 @@ ESCAPE_TIME. Two bodies are neighbours when the gap between their anchors is bel
 can be touched before the escape. One body at a time is looked at again, and the predictions of the pairs that stay are kept.
 """
 
-from math import asin, floor, inf, sqrt
+from math import asin, inf, sqrt
 
 from ccd.compiling import kernel
 from ccd.precession import NO_AXIS
@@ -13,19 +13,10 @@ from ccd.separation import best_plane, normal, shape_matrix, support
 from ccd.tolerances import COARSE
 from ccd.vectors import dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced, fraction, image_of
+from edmd.cells import place, scan, unpacked, window, within_reach
 from edmd.events import Ended
 from edmd.flight import advance, fastest, kind_of, load_vectors
-from edmd.prediction import (
-    ball_now,
-    direction_of,
-    flight_now,
-    hold,
-    hold_until,
-    imaged,
-    is_sphere,
-    meeting_of_balls,
-    size_now,
-)
+from edmd.pairs import ball_now, direction_of, flight_now, hold_until, imaged, is_sphere, meeting_of_balls, record, size_now
 from edmd.state import (
     ANCHOR_MARGIN,
     ANCHOR_POSITION,
@@ -39,14 +30,15 @@ from edmd.state import (
     ENTRY_ROW,
     ESCAPE_TIME,
     GROWTH,
+    HITS,
     HORIZON,
     IMAGE,
     LARGEST,
+    LEVEL,
     MARGIN_LENGTH,
     NOW,
     PARTNER,
     POSITION,
-    REACH,
     REACH_SIZE,
     REBUILDS,
     ROOM,
@@ -59,7 +51,7 @@ from edmd.state import (
 )
 from edmd.tolerances import MORE_ROOM, REBUILD_BEYOND, SAFE, SURELY_NEAR
 
-DONE, LIST_FULL, CELL_TOO_SMALL = -1, int(Ended.LIST_FULL), int(Ended.CELL_TOO_SMALL)
+DONE, NO_ROOM, CELL_TOO_SMALL = -1, int(Ended.NO_ROOM), int(Ended.CELL_TOO_SMALL)
 
 
 @kernel
@@ -107,7 +99,7 @@ def set_escape(world, body):
 
 @kernel
 def escape(world, body):
-    """The body may have left its margin: extend its time, or make its list anew. -> DONE, LIST_FULL or CELL_TOO_SMALL."""
+    """The body may have left its margin: extend its time, or make its list anew. -> DONE, NO_ROOM or CELL_TOO_SMALL."""
     row, kind, anchor = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body]
     advance(row, kind, world.clock[NOW])
     if displacement(row, kind, anchor, size_now(world.clock)) > REBUILD_BEYOND * anchor[ANCHOR_MARGIN]:
@@ -122,7 +114,9 @@ def escape(world, body):
 def rebuild(world, body):
     """Anchor the body where it is now and make its list: drop the pairs that have come apart, find the new ones."""
     world.tally[REBUILDS] += 1
-    _anchor(world, body)
+    if not _anchor(world, body):
+        world.anchors[body, ANCHOR_POSITION] = inf
+        return NO_ROOM
     begin = int(world.lists.spans[body, BEGIN])
     for slot in range(int(world.lists.spans[body, COUNT]) - 1, -1, -1):
         if not _still_near(world, body, begin + slot):
@@ -135,7 +129,7 @@ def rebuild(world, body):
 
 @kernel
 def _anchor(world, body):
-    """Store the pose, size and margin of a body, which is first wrapped into the cell; move it to its grid cell."""
+    """Store the pose, size and margin of a body, which is first wrapped into the cell; move it to its grid cell, if that has room."""
     row, kind, anchor, grid = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], world.grid
     a, b, c = image_of(load(row, POSITION), grid.inverse)
     if a != 0 or b != 0 or c != 0:
@@ -148,7 +142,7 @@ def _anchor(world, body):
     anchor[ANCHOR_MARGIN] = size * kind[MARGIN_LENGTH]
     anchor[ANCHOR_RADIUS] = size * (kind[LARGEST] + kind[MARGIN_LENGTH])
     world.clock[REACH_SIZE] = max(size, world.clock[REACH_SIZE])
-    _place(grid, body, load(row, POSITION))
+    return place(world.cells, grid, body, int(kind[LEVEL]), load(row, POSITION), anchor[ANCHOR_RADIUS])
 
 
 @kernel
@@ -166,34 +160,6 @@ def _wrap(world, body, image):
         for k in range(3):
             lists.images[entry, IMAGE + k] -= image[k]
             lists.images[twin, IMAGE + k] += image[k]
-
-
-@kernel
-def _place(grid, body, position):
-    i, j, k = grid_cell(grid, position)
-    cell = (i * grid.shape[1] + j) * grid.shape[2] + k
-    if grid.cell[body] == cell:
-        return
-    if grid.cell[body] >= 0:
-        other = grid.first[grid.cell[body]]
-        if other == body:
-            grid.first[grid.cell[body]] = grid.following[body]
-        else:
-            while grid.following[other] != body:
-                other = grid.following[other]
-            grid.following[other] = grid.following[body]
-    grid.following[body] = grid.first[cell]
-    grid.first[cell] = body
-    grid.cell[body] = cell
-
-
-@kernel
-def grid_cell(grid, position):
-    f = fraction(position, grid.inverse)
-    i = min(max(int(f[0] * grid.shape[0]), 0), grid.shape[0] - 1)
-    j = min(max(int(f[1] * grid.shape[1]), 0), grid.shape[1] - 1)
-    k = min(max(int(f[2] * grid.shape[2]), 0), grid.shape[2] - 1)
-    return i, j, k
 
 
 @kernel
@@ -267,76 +233,63 @@ def _listed(world, body, other, shift, one_image):
 
 @kernel
 def _search(world, body):
-    """Look through the grid cells within reach, each image once, for neighbours that are not listed yet."""
-    grid, anchor = world.grid, world.anchors[body]
+    """Find the neighbours that are not listed yet, among the bodies of every level of size."""
+    cells, grid, anchor = world.cells, world.grid, world.anchors[body]
     _mark_listed(world, body)
-    reach = anchor[ANCHOR_RADIUS] + world.clock[REACH] * world.clock[REACH_SIZE]
-    f = fraction(load(anchor, ANCHOR_POSITION), grid.inverse)
-    left = reach * reach / grid.heights[3]
-    one_image = min(grid.heights[0], grid.heights[1], grid.heights[2]) > 2 * reach
-    for i in _layers(grid, 0, f[0], left):
-        ci, shift_i = _wrapped(i, grid.shape[0])
-        left_i = left - _beside(grid, 0, f[0], i)
-        for j in _layers(grid, 1, f[1], left_i):
-            cj, shift_j = _wrapped(j, grid.shape[1])
-            for k in _layers(grid, 2, f[2], left_i - _beside(grid, 1, f[1], j)):
-                ck, shift_k = _wrapped(k, grid.shape[2])
-                cell = (ci * grid.shape[1] + cj) * grid.shape[2] + ck
-                status = _search_cell(world, body, cell, (shift_i, shift_j, shift_k), one_image)
+    position, radius = load(anchor, ANCHOR_POSITION), anchor[ANCHOR_RADIUS]
+    f = fraction(position, grid.inverse)
+    widest = min(grid.heights[0], grid.heights[1], grid.heights[2])
+    for level in range(len(cells.levels)):
+        layers, reach, found = cells.levels[level], radius + cells.reaches[level, 0] * world.clock[REACH_SIZE], 0
+        first, last = window(grid, layers, f, reach)
+        i, j, k = first
+        while i <= last[0]:
+            if within_reach(grid, layers, f, (i, j, k), reach):
+                found = scan(cells, grid, level, (i, j, k), position, radius, found)
+            i, j, k = _next_cell((i, j, k), first, last)
+            if found > HITS or i > last[0]:
+                status = _sift(world, body, found, widest > 2 * reach)
                 if status != DONE:
                     return status
+                found = 0
     return DONE
 
 
 @kernel
-def _wrapped(layer, layers):
-    """The layer inside the box, and the image it belongs to. Additions: layers are few, and a division costs more."""
-    shift = 0
-    while layer < 0:
-        layer += layers
-        shift -= 1
-    while layer >= layers:
-        layer -= layers
-        shift += 1
-    return layer, shift
+def _next_cell(at, first, last):
+    """The next cell of a window; its first index is beyond the window after the last one."""
+    i, j, k = at
+    if k < last[2]:
+        return i, j, k + 1
+    if j < last[1]:
+        return i, j + 1, first[2]
+    return i + 1, first[1], first[2]
 
 
 @kernel
-def _layers(grid, side, f, squared):
-    """The layers of cells, beyond the box as well, within a squared distance of the fractional coordinate f in this direction."""
-    per_length = grid.shape[side] / grid.heights[side]
-    here, far = f * grid.shape[side], sqrt(max(squared, 0.0)) * per_length
-    return range(int(floor(here - far)), int(floor(here + far)) + 1)
-
-
-@kernel
-def _beside(grid, side, f, cell):
-    """Squared distance of a point from a layer of cells."""
-    here = f * grid.shape[side]
-    outside = max(cell - here, here - cell - 1, 0.0) * (grid.heights[side] / grid.shape[side])
-    return outside * outside
-
-
-@kernel
-def _search_cell(world, body, cell, shift, one_image):
-    anchors = world.anchors
-    image = displaced((0.0, 0.0, 0.0), world.grid.box, shift[0], shift[1], shift[2])
-    here = subtract(load(anchors[body], ANCHOR_POSITION), image)
-    other = int(world.grid.first[cell])
-    while other >= 0:
-        r = subtract(load(anchors[other], ANCHOR_POSITION), here)
-        within = anchors[body, ANCHOR_RADIUS] + anchors[other, ANCHOR_RADIUS]
-        if dot(r, r) < within * within:
-            itself = other == body and shift[0] == 0 and shift[1] == 0 and shift[2] == 0
-            if not itself and not _listed(world, body, other, shift, one_image):
-                near, n = _near(world, body, other, r)
-                if near:
-                    if other == body:
-                        return CELL_TOO_SMALL
-                    if not (_has_room(world, body) and _has_room(world, other)):
-                        return LIST_FULL
-                    _add(world, body, other, shift, n)
-        other = int(world.grid.following[other])
+def _sift(world, body, found, one_image):
+    """List those of the bodies found that are neighbours and not listed yet."""
+    anchors, hits = world.anchors, world.cells.hits
+    anchor = anchors[body]
+    for k in range(found):
+        other, shift_i, shift_j, shift_k = unpacked(hits[k])
+        shift = (shift_i, shift_j, shift_k)
+        itself = other == body and shift[0] == 0 and shift[1] == 0 and shift[2] == 0
+        if itself or _listed(world, body, other, shift, one_image):
+            continue
+        r = subtract(load(anchors[other], ANCHOR_POSITION), load(anchor, ANCHOR_POSITION))
+        if shift[0] != 0 or shift[1] != 0 or shift[2] != 0:
+            r = displaced(r, world.grid.box, shift[0], shift[1], shift[2])
+        within = anchor[ANCHOR_RADIUS] + anchors[other, ANCHOR_RADIUS]
+        if dot(r, r) >= within * within:
+            continue
+        near, n = _near(world, body, other, r)
+        if near:
+            if other == body:
+                return CELL_TOO_SMALL
+            if not (_has_room(world, body) and _has_room(world, other)):
+                return NO_ROOM
+            _add(world, body, other, shift, n)
     return DONE
 
 
@@ -379,7 +332,7 @@ def _add(world, body, other, shift, n):
     if is_sphere(world, body) and is_sphere(world, other):
         span, _, _, _ = meeting_of_balls(world, entry, ball_now(world, body), ball_now(world, other))
     else:
-        span = hold(world, entry, flight_now(world, body), flight_now(world, other), n)
+        span = record(world, entry, flight_now(world, body), flight_now(world, other), n)
     hold_until(world, entry, world.clock[NOW] + span)
 
 

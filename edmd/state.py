@@ -15,10 +15,11 @@ BODY_ROW = 24
 
 # kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; ACROSS: the
 # inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
-# UNEQUAL: largest difference of two moments over the third; DEGREES: of rotation that collisions exchange, 0, 2 or 3
+# UNEQUAL: largest difference of two moments over the third; DEGREES: of rotation that collisions exchange, 0, 2 or 3;
+# LEVEL: see Cells
 SEMI_AXES, INVERSE_MASS, INVERSE_MOMENTS, AXIS, ACROSS, SPREAD, LARGEST, BENDING, MARGIN_LENGTH = 0, 3, 4, 7, 8, 9, 10, 11, 12
-MOTION, UNEQUAL, DEGREES = 13, 14, 15
-KIND_ROW = 16
+MOTION, UNEQUAL, DEGREES, LEVEL = 13, 14, 15, 16
+KIND_ROW = 24
 
 # motions: how a shape moves in free flight: not at all, at the constant rate L / I_perp (eq. (12)), or as a free top (eq. (12b))
 STILL, STEADY, FREE = 0, 1, 2
@@ -34,23 +35,31 @@ SIDE, SIDE_RATE, SIDE_BEND, SINCE, EVENT = 2, 3, 4, 5, 6
 NORMAL, IMAGE, PARTNER, TWIN = 0, 12, 14, 15
 ENTRY_ROW = 8
 
+# levels of the cells: layers in each direction, and the first cell; HITS: bodies looked into together
+LAYERS, FIRST_CELL = 0, 3
+LEVEL_ROW = 4
+HITS = 128
+
 # spans of the lists among the entries
 BEGIN, COUNT, ROOM = 0, 1, 2
 SPAN_ROW = 4
 
-# clock: NOW and every time in the world count from EPOCH. REACH: longest semi-axis plus margin of all bodies at size 1; REACH_SIZE: the
-# largest size of an anchor. REFINE: a time, see tolerances. ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral
-# up to ENERGY_SINCE; it and VIRIAL are sums of this epoch, which began after EPOCH_BEGAN collisions. ENERGY_ERROR: sum over the epochs of
-# the amounts by which ENERGY, as the collisions account for it, had come off what it is, in units of what it was when it was last counted,
-# ENERGY_BEGAN. INSTANT: a span that is no progress. ROUNDING: of a position in the cell. DRIFT: common velocity of all bodies, (3,)
-(NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH, REACH_SIZE, ENERGY_ERROR, ENERGY_BEGAN,
- INSTANT, ROUNDING, DRIFT) = range(17)
+# clock: NOW and every time in the world count from EPOCH. REACH_SIZE: the largest size of an anchor. REFINE: a time, see tolerances.
+# ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral up to ENERGY_SINCE; it and VIRIAL are sums of this epoch,
+# which began after EPOCH_BEGAN collisions. ENERGY_ERROR: sum over the epochs of the amounts by which ENERGY, as the collisions account for
+# it, had come off what it is, in units of what it was when it was last counted, ENERGY_BEGAN. INSTANT: a span that is no progress.
+# ROUNDING: of a position in the cell. DRIFT: common velocity of all bodies, (3,)
+(NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH_SIZE, ENERGY_ERROR, ENERGY_BEGAN,
+ INSTANT, ROUNDING, DRIFT) = range(16)
 CLOCK_ROW = 24
 
 # tally. ENTRIES: how many rows of the entries are taken. SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this
-# epoch). FAINT: weight of the last collisions in a row that were too faint to be told from rounding, the last of them of the FAINT_PAIR
-COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR = range(12)
+# epoch). FAINT: weight of the last collisions in a row that were too faint to be told from rounding, the last of them of the FAINT_PAIR.
+# WATCHED: how many entries are to be watched in this event
+(COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR,
+ WATCHED) = range(13)
 TALLY_ROW = 16
+WATCHED_ROOM = 256
 
 
 class Lists(NamedTuple):
@@ -65,15 +74,23 @@ class Lists(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Cells that hold the bodies by their anchors, and the periodic box."""
+    """The periodic cell."""
 
-    shape: np.ndarray       # int64 (3,)
-    first: np.ndarray       # int32 (cells,)
-    following: np.ndarray   # int32 (n,)
-    cell: np.ndarray        # int32 (n,), -1: not placed
     box: np.ndarray         # float64 (3, 3), rows are the cell vectors
     inverse: np.ndarray     # float64 (3, 3)
     heights: np.ndarray     # float64 (4,), distances of opposite faces; the smallest |x|^2 / (squared distances from three faces of x)
+
+
+class Cells(NamedTuple):
+    """Grids that hold the bodies by their anchors, one for each level of size (cells.py)."""
+
+    levels: np.ndarray      # int64 (levels, LEVEL_ROW)
+    reaches: np.ndarray     # float64 (levels, 2): longest list radius at size 1, diagonal of a cell
+    places: np.ndarray      # float32 (cells, room, 4): position from the corner of the cell, and list radius
+    bodies: np.ndarray      # int32 (cells, room)
+    count: np.ndarray       # int32 (cells,)
+    where: np.ndarray       # int32 (n, 2): cell and slot of each body, -1: not placed
+    hits: np.ndarray        # int64 (HITS + room,): bodies found and the images they are in, nothing to keep
 
 
 class Calendar(NamedTuple):
@@ -98,8 +115,10 @@ class World(NamedTuple):
     anchors: np.ndarray     # float64 (n, ANCHOR_ROW)
     lists: Lists
     grid: Grid
+    cells: Cells
     calendar: Calendar
     clock: np.ndarray       # float64 (CLOCK_ROW,)
     tally: np.ndarray       # int64 (TALLY_ROW,)
     contacts: Contacts
     columns: np.ndarray     # float64: where `prediction.predict` works, nothing to keep
+    watched: np.ndarray     # int32 (WATCHED_ROOM,): entries to be watched in this event, nothing to keep

@@ -36,11 +36,12 @@ def test_one_seed_one_packing(tmp_path):
 
 
 def test_contacts_and_rattlers():
-    packing = edmd.pack(48, (1, 1, 1), rate=1e-2, seed=2, until_pressure=1e8)
-    assert np.array_equal(packing.contact_numbers, independent.contact_counts(packing.system, 1e-5))
+    packing = edmd.pack(48, (1, 1, 1), rate=1e-3, seed=2, until_pressure=1e9)
+    assert np.array_equal(packing.contact_numbers, independent.contact_counts(packing.system, 1e-6))
     assert (packing.contact_numbers[packing.rattlers] < 6).all()
     assert (packing.contact_numbers[~packing.rattlers] >= 4).all()
-    assert packing.mean_contact_number == pytest.approx(6, abs=0.6)          # isostatic, in a system this small
+    held = packing.system.n - packing.rattlers.sum()
+    assert packing.mean_contact_number == pytest.approx(6 - 4 / held, abs=0.15)         # isostatic: 3 N - 2 contacts; the faintest are open
 
 
 @pytest.mark.parametrize(("changes", "names"), [

@@ -1,0 +1,140 @@
+"""Grids of cells that hold the bodies by their anchors, and the search for those within reach of a place.
+
+Bodies are sorted into levels by the radius of their neighbourhood, a factor of two apart at most, each level with a grid of its own: a
+small body looks for large ones in wide cells and a large one for small ones in narrow cells. Positions are kept with the cell, from its
+corner, in float32: a look at four bodies is one cache line.
+"""
+
+from math import floor
+
+import numpy as np
+
+from ccd.compiling import kernel
+from edmd.boundary import displaced, fraction
+from edmd.state import FIRST_CELL
+from edmd.tolerances import FLOAT32_SLACK
+
+X, Y, Z, RADIUS = 0, 1, 2, 3        # of a place
+NOWHERE = -1
+
+
+@kernel
+def place(cells, grid, body, level, position, radius):
+    """Put a body where its anchor is now. -> whether its cell had room; else it is in none."""
+    layers = cells.levels[level]
+    f = fraction(position, grid.inverse)
+    i, j, k = _layer(f[0], layers[0]), _layer(f[1], layers[1]), _layer(f[2], layers[2])
+    cell = layers[FIRST_CELL] + (i * layers[1] + j) * layers[2] + k
+    where = cells.where[body]
+    if where[0] != cell:
+        if where[0] != NOWHERE:
+            _take_out(cells, body)
+        if cells.count[cell] == cells.bodies.shape[1]:
+            return False
+        where[0], where[1] = cell, cells.count[cell]
+        cells.bodies[cell, where[1]] = body
+        cells.count[cell] += 1
+    x, there = from_corner(grid, layers, (i, j, k), position), cells.places[cell, where[1]]
+    there[X], there[Y], there[Z], there[RADIUS] = x[0], x[1], x[2], radius
+    return True
+
+
+@kernel
+def _layer(f, layers):
+    return min(max(int(f * layers), 0), layers - 1)
+
+
+@kernel
+def _take_out(cells, body):
+    """The last body of the cell takes the place."""
+    cell, slot = cells.where[body, 0], cells.where[body, 1]
+    cells.where[body, 0] = NOWHERE
+    cells.count[cell] -= 1
+    last = cells.count[cell]
+    if slot != last:
+        moved = cells.bodies[cell, last]
+        cells.bodies[cell, slot], cells.where[moved, 1] = moved, slot
+        for k in range(4):
+            cells.places[cell, slot, k] = cells.places[cell, last, k]
+
+
+@kernel
+def from_corner(grid, layers, at, position):
+    """A position as seen from the corner of a cell, which may lie beyond the box."""
+    return displaced(position, grid.box, -at[0] / layers[0], -at[1] / layers[1], -at[2] / layers[2])
+
+
+@kernel
+def window(grid, layers, f, reach):
+    """The first and the last layer in each direction, beyond the box as well, within reach of a place with fractional coordinates f."""
+    a, b = _span(layers[0], grid.heights[0], f[0], reach)
+    c, d = _span(layers[1], grid.heights[1], f[1], reach)
+    e, g = _span(layers[2], grid.heights[2], f[2], reach)
+    return (a, c, e), (b, d, g)
+
+
+@kernel
+def _span(layers, height, f, reach):
+    here, far = f * layers, reach * layers / height
+    return int(floor(here - far)), int(floor(here + far))
+
+
+@kernel
+def within_reach(grid, layers, f, at, reach):
+    """Whether a cell can hold anything within reach of f."""
+    a = _beside(layers[0], grid.heights[0], f[0], at[0])
+    b = _beside(layers[1], grid.heights[1], f[1], at[1])
+    c = _beside(layers[2], grid.heights[2], f[2], at[2])
+    return (a * a + b * b + c * c) * grid.heights[3] <= reach * reach
+
+
+@kernel
+def _beside(layers, height, f, layer):
+    """Distance of a place from a layer of cells."""
+    here = f * layers
+    return max(layer - here, here - layer - 1, 0.0) * (height / layers)
+
+
+@kernel
+def scan(cells, grid, level, at, position, radius, found):
+    """Add to the hits the bodies of a cell, or of an image of it, whose neighbourhoods overlap one of this radius. -> how many hits."""
+    layers = cells.levels[level]
+    i, shift_i = _wrapped(at[0], layers[0])
+    j, shift_j = _wrapped(at[1], layers[1])
+    k, shift_k = _wrapped(at[2], layers[2])
+    cell, image = layers[FIRST_CELL] + (i * layers[1] + j) * layers[2] + k, packed(shift_i, shift_j, shift_k)
+    x, y, z = from_corner(grid, layers, at, position)
+    slack = FLOAT32_SLACK * (abs(x) + abs(y) + abs(z) + cells.reaches[level, 1])
+    x, y, z, wide = np.float32(x), np.float32(y), np.float32(z), np.float32(radius + slack)
+    for slot in range(cells.count[cell]):
+        there = cells.places[cell, slot]
+        dx, dy, dz, within = there[X] - x, there[Y] - y, there[Z] - z, there[RADIUS] + wide
+        cells.hits[found] = image | int(cells.bodies[cell, slot])
+        found += 1 if dx * dx + dy * dy + dz * dz < within * within else 0          # no jump: it is a toss
+    return found
+
+
+@kernel
+def packed(i, j, k):
+    """An image as the upper half of a number whose lower half is a body."""
+    return ((i + 512) << 52) | ((j + 512) << 42) | ((k + 512) << 32)
+
+
+@kernel
+def unpacked(hit):
+    """Body and image of a hit."""
+    hit = int(hit)
+    return hit & 0xFFFFFFFF, (hit >> 52) - 512, ((hit >> 42) & 1023) - 512, ((hit >> 32) & 1023) - 512
+
+
+@kernel
+def _wrapped(layer, layers):
+    """The layer inside the box, and the image it belongs to. Additions: layers are few, and a division costs more."""
+    shift = 0
+    while layer < 0:
+        layer += layers
+        shift -= 1
+    while layer >= layers:
+        layer -= layers
+        shift += 1
+    return layer, shift
