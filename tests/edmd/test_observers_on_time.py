@@ -119,7 +119,7 @@ def test_milestones_of_the_packing_fraction(simulation):
     fractions = np.array([view.packing_fraction for view in recorder.seen])
     assert 4 <= len(fractions) <= 7
     assert (np.diff(np.concatenate([[0.4], fractions])) >= 0.02 - 1e-12).all()
-    assert (np.diff(fractions) < 0.03).all()
+    assert (np.diff(fractions) < 0.035).all()           # looked at after an upkeep only, of which each is up to 0.015 after the last
 
 
 def test_milestones_of_the_pressure(simulation):
