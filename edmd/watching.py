@@ -54,25 +54,27 @@ def _watch_ellipsoids(world, entry, own, other):
     clock = world.clock
     now, soon = clock[NOW], IMMINENT * clock[REFINE]
     r, start = imaged(world, entry, subtract(other[0], own[0])), direction_of(world.lists, entry)
-    n, lead, found = start, 0.0, False
+    n, lead, found, best, asked = start, 0.0, False, False, False
     for step in range(NEWTON_STEPS):
         n, tilt, lead, gap = tilted(own, other, r, n, clock)
         if gap < -CROSSED or (step == 0 and tilt > FAR):
             break
-        found = lead > soon or tilt <= ALIGNED or (tilt * tilt <= WELL_ALIGNED * gap and gap > CROSSED)
+        best = tilt <= ALIGNED
+        found = best or lead > soon or (tilt * tilt <= WELL_ALIGNED * gap and gap > CROSSED)
         if found:
             break
-    while True:
+    while True:                                         # twice at most: with the pencil's plane where the other will not do
         if not found:
-            n, found = plane(own, other, r, start)
-            lead = 0.0
-        reach = LOOK_PAST * lead if lead > 0.0 else clock[HORIZON]
+            n, best = plane(own, other, r, start)
+            found, asked, lead = True, True, 0.0
+        reach = max(LOOK_PAST * lead, LOOK_PAST * soon) if lead > 0.0 else clock[HORIZON]
         gap, rate, bend, supports = pair_motion(own, other, r, n, clock, reach)
-        if lead == 0.0 or gap >= 0.0:
+        span = within(reach, holding_time(gap, rate, bend), bend)
+        close = gap <= TOUCHING * supports + clock[ROUNDING] or now + span == now           # positions are known no better
+        if asked or (gap >= 0.0 and not close) or (best and (gap >= 0.0 or lead == 0.0)):
             break
-        found = False                       # the plane, aimed ahead, cuts into the bodies now
-    span = within(reach, holding_time(gap, rate, bend), bend)
-    touches = rate < 0 and found and (gap <= TOUCHING * supports + clock[ROUNDING] or now + span == now)     # known no better
+        found = False                                   # aimed ahead, it cuts into the bodies now, or it is not the best of two that touch
+    touches = rate < 0 and best and close
     if touches or span > soon:              # the bound on record looks further ahead, and is less sharp
         span = max(span, record(world, entry, own, other, n))
     hold_until(world, entry, now if touches else now + span)
