@@ -19,7 +19,7 @@ from ccd.intervals import empty_work as loop_work
 from ccd.motion import AffineInterpolant, AffineMotion, FreeFlight, Motion, RationalMotion, approximate_flight
 from ccd.motion.tensors import Tensors
 from ccd.status import State, Status
-from ccd.tolerances import CONDITION, CONTACT_EXCESS, EXTREME, HALVINGS
+from ccd.tolerances import CONDITION, CONTACT_EXCESS, EXTREME, HALVINGS, SMALLEST
 
 NOWHERE = (np.nan,) * 3
 
@@ -124,7 +124,8 @@ class CCDEquation:
                 raise ValueError(f"{name}.{fault} within t_span = ({start}, {start + width})")
             tensors.append(own)
         grid = _grid(*tensors)
-        if not (1 / EXTREME < grid[0, 0] < EXTREME and 1 / EXTREME < grid[3, 0] < EXTREME):     # nor nan
+        small = self._bodies[0][1].semi_axes.max() < SMALLEST * self._bodies[1][1].semi_axes.max()
+        if small or not (1 / EXTREME < grid[0, 0] < EXTREME and 1 / EXTREME < grid[3, 0] < EXTREME):     # nor nan
             sizes = " and ".join(str(body.semi_axes.tolist()) for _, body, _ in self._bodies)
             raise ArithmeticError(f"double precision cannot hold the equation of bodies of such sizes: {sizes}")
         first, second = tensors

@@ -29,6 +29,7 @@ CANDIDATES = 4000           # cap of the candidate intervals looked at; Example 
 CONDITION = 300.0           # of a grid (its terms cancel to one part in so many) above which the span is halved: f then errs by some 1e-14
 HALVINGS = 12               # cap of that
 EXTREME = 1e250             # det X of one body times the other's denominators, or its inverse, from which F is not held
+SMALLEST = 1e-12            # size of A in units of B below which F is not held: its best u is then too near 1 for float64 to tell from it
 TANGENT = 1e-3              # width, in units of the time span, up to which a TOUCHING piece is one tangential contact
 CONTACT_EXCESS = 1e-9       # |f - 1| up to which the end of an interval is a contact that has a point
 SHORT_TURN = 5e-3           # squared radians that a free top swerves in half the time up to which its series are exact to the last bits
