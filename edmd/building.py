@@ -147,8 +147,14 @@ def _kind_rows(system, rough):
     rows[:, state.SPREAD] = largest - smallest
     rows[:, state.LARGEST] = largest
     rows[:, state.BENDING] = (largest**2 - smallest**2) / smallest
-    rows[:, state.MARGIN_LENGTH] = MARGIN * np.cbrt(semi_axes.prod(axis=1))
+    rows[:, state.MARGIN_LENGTH] = MARGIN * _cube_root(semi_axes.prod(axis=1))
     return rows, kind.ravel()
+
+
+def _cube_root(x):
+    """Of arrays; exactly twice as large for eight times as much, which np.cbrt is not on every processor."""
+    fraction, exponent = np.frexp(x)
+    return np.ldexp(np.cbrt(np.ldexp(fraction, exponent % 3)), exponent // 3)
 
 
 def _body_rows(system, kinds, kind):
