@@ -25,15 +25,23 @@ MOVED, CORRECTED, BEST = 0.0, 1.0, 2.0                  # how the plane of a sta
 
 
 @kernel
-def support_motion(s, turning, n, age, reach):
+def support_motion(s, turning, n, reach):
     """(value, rate, curvature) of a parabola in time that is nowhere below h(n) of a turning body, from now to `reach`, eqs. (5) to (7d).
 
-    The semi-axis vectors s are those of `age` ago; the parabola's time counts from now. turning: (angular velocity and acceleration then,
-    a bound on h'' for every n and all time, a bound on a sixth of the third derivative of h^2, 1 if the angular velocity is constant or
-    else 0); if so the third derivative is taken as it is. The local bound is used where h surely keeps half its value. No sine, no cosine.
+    s: its semi-axis vectors; turning: see `support_course`.
+    """
+    course = support_course(s, turning, n)
+    return course[0], course[1], bend_until(course, reach)
+
+
+@kernel
+def support_course(s, turning, n):
+    """How h(n) of a turning body begins, and what bounds it later: (value, rate, and four more that `bend_until` takes).
+
+    turning: (angular velocity and acceleration, a bound on h'' for every n and all time, a bound on a sixth of the third derivative of
+    h^2, 1 if the angular velocity is constant or else 0); if so the third derivative is taken as it is. No sine, no cosine.
     """
     spin, acceleration, bend, swerve, steady = turning
-    until = age + reach
     p, q, w = dot(s[0], n), dot(s[1], n), dot(s[2], n)
     seen = cross(n, spin)
     twice = add(cross(seen, spin), cross(n, acceleration))
@@ -42,13 +50,19 @@ def support_motion(s, turning, n, age, reach):
     h = sqrt(p * p + q * q + w * w)
     half_rate = p * dp + q * dq + w * dw
     rate = half_rate / h
-    later = h + rate * until
     square = steady * dot(spin, spin)
     second = dp * dp + dq * dq + dw * dw + p * ddp + q * ddq + w * ddw - rate * rate
     third = swerve + steady * (dp * ddp + dq * ddq + dw * ddw) - (1 / 3) * square * half_rate
-    over = second + max(until * (third + until * ((1 / 3) * square * bend * h)), 0.0)
-    bend = min(bend, max(over / h, over / later)) if later > 0.5 * h else bend
-    return h + age * (rate + 0.5 * age * bend), rate + age * bend, bend
+    return h, rate, second, third, (1 / 3) * square * bend * h, bend
+
+
+@kernel
+def bend_until(course, reach):
+    """A bound on the curvature of h in time, up to `reach`: the local one where h surely keeps half its value."""
+    h, rate, second, third, fourth, bend = course
+    later = h + rate * reach
+    over = second + max(reach * (third + reach * fourth), 0.0)
+    return min(bend, max(over / h, over / later)) if later > 0.5 * h else bend
 
 
 @kernel

@@ -50,7 +50,7 @@ def _posed(body, time):
 @kernel
 def _support(s, spin, bend, n):
     """`support_motion` by the tangent of h, eq. (12f), and up to when it holds: while the tangent is at least half of h, or for ever."""
-    h, rate, _ = first_contact.support_motion(s, (spin, (0.0, 0.0, 0.0), 0.0, 0.0, 1.0), n, 0.0, 0.0)
+    h, rate, _ = first_contact.support_motion(s, (spin, (0.0, 0.0, 0.0), 0.0, 0.0, 1.0), n, 0.0)
     local, always = (bend - rate * rate) / h * (2.0 if rate < 0 else 1.0), bend / min(norm(s[0]), norm(s[1]), norm(s[2]))
     if rate < 0 and local < always:
         return (h, rate, local), -0.5 * h / rate

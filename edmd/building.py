@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ccd.precession import symmetry_axes
-from edmd import state
+from edmd import nearness, prediction, state
+from edmd.calendar import WAYS
 from edmd.epoch import energy_counted, kinetic_energy, mean_velocity, rebuild_all, reschedule_all
 from edmd.events import Ended
-from edmd.flight import advance_all, set_vectors, turn_still
+from edmd.flight import advance_all, set_shapes, turn_still
 from edmd.inertia import angular_momenta, motions, rotational_degrees
 from edmd.neighbors import DONE
-from edmd.prediction import COLUMNS
 from edmd.rules.kinds import KIND, ROUGH, rule_row
 from edmd.state import Calendar, Cells, Contacts, Grid, Lists, World
 from edmd.system import wrap
@@ -35,7 +35,7 @@ def build_world(system, rule):
     contacts = Contacts(rule_row(rule), np.full(n, -np.inf))
     kinds, kind = _kind_rows(system, contacts.rule[KIND] == ROUGH)
     kinds[:, state.LEVEL] = _levels(kinds)
-    bodies = _body_rows(system, kinds, kind)
+    bodies, turns = _body_rows(system, kinds, kind)
     longest = kinds[:, state.LARGEST] + kinds[:, state.MARGIN_LENGTH]
     _check_cell(system, longest.max())
     clock = np.zeros(state.CLOCK_ROW)
@@ -44,9 +44,9 @@ def build_world(system, rule):
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     tally[state.ENTRIES] = n * LIST_ROOM
-    world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
-                  _grid(system), _cells(system, kinds, kind), _calendar(n), clock, tally, contacts, np.zeros(COLUMNS),
-                  np.zeros(state.WATCHED_ROOM, dtype=np.int32))
+    world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), turns, _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
+                  _grid(system), _cells(system, kinds, kind), _calendar(n), clock, tally, contacts,
+                  np.ones(max(prediction.COLUMNS, nearness.COLUMNS)), np.zeros(state.WATCHED_ROOM, dtype=np.int32))
     set_pace(world, system.velocities)
     clock[state.ENERGY] = kinetic_energy(world)
     mass, drift = mean_velocity(world)
@@ -111,7 +111,7 @@ def unflattened(arrays):
     """The World of `flattened` arrays."""
     parts = {"grid": Grid, "cells": Cells, "calendar": Calendar, "contacts": Contacts}
     fields = {name: kind(*(np.ascontiguousarray(arrays[f"{name}.{field}"]) for field in kind._fields)) for name, kind in parts.items()}
-    for name in ("bodies", "anchors"):
+    for name in ("bodies", "turns", "anchors"):
         fields[name] = _aligned_copy(arrays[name])
     lists = _views(np.ascontiguousarray(arrays["lists.spans"]), _aligned_copy(arrays["lists.numbers"]), arrays["lists.seen"])
     return World(lists=lists, **{name: arrays[name] for name in ("kinds", "image", "clock", "tally", "columns", "watched")}, **fields)
@@ -164,8 +164,10 @@ def _body_rows(system, kinds, kind):
     rows[:, state.KIND] = kind
     rows[:, state.MOMENTUM:state.MOMENTUM + 3] = angular_momenta(system)
     rows[:, state.ORIENTATION:state.ORIENTATION + 4] = system.orientations
-    set_vectors(rows, kinds)
-    return rows
+    turns = _aligned(system.n, state.TURN_ROW)
+    turns[:, state.MET_TIME] = -np.inf
+    set_shapes(rows, turns, kinds)
+    return rows, turns
 
 
 def _lists(room):
@@ -182,12 +184,20 @@ def _views(spans, numbers, seen):
 
 
 def _calendar(n):
-    leaves = 1 << max(n - 1, 1).bit_length()
-    body = np.arange(2 * leaves, dtype=np.int32) - leaves
-    node_bodies = np.maximum(body, 0).astype(np.int32)
-    for node in range(leaves - 1, 0, -1):
-        node_bodies[node] = node_bodies[2 * node]
-    return Calendar(np.full(2 * leaves, np.inf), node_bodies, np.full(n, -1, dtype=np.int32))
+    sizes = [_whole_matches(n)]
+    while sizes[-1] > 1:
+        sizes.append(1 if sizes[-1] == WAYS else _whole_matches(sizes[-1] // WAYS))
+    room = [_whole_matches(size) for size in sizes]
+    rounds = np.array([sum(room[k + 1:]) for k in range(len(sizes))])
+    time, body = _aligned(sum(room) // WAYS, WAYS).ravel(), np.zeros(sum(room), dtype=np.int32)
+    time[:] = np.inf
+    for k, (first, size) in enumerate(zip(rounds, sizes)):
+        body[first:first + size] = np.arange(size) * WAYS**k
+    return Calendar(time, body, rounds, np.full(n, -1, dtype=np.int32), np.full(n, -1))
+
+
+def _whole_matches(n):
+    return -(-n // WAYS) * WAYS
 
 
 def _grid(system):

@@ -1,32 +1,44 @@
-"""The event queue: a tournament tree over bodies. Order is total: by time, then by body."""
+"""The event queue: a tournament over bodies, eight to a match. Order is total: by time, then by body.
 
-from math import inf
+The rounds stand one behind the other, the last one first, each match in one cache line: place k of the first round belongs to body k, and
+each later place to the winner of a match.
+"""
 
 from ccd.compiling import kernel
+
+WAYS = 8
 
 
 @kernel
 def schedule(calendar, body, time, slot):
-    """Give a body its next event, and decide again every match on its way to the root, as far as that changes who wins."""
-    times, bodies = calendar.time, calendar.body
+    """Give a body its next event, and decide again every match on its way to the top, as far as that changes who wins."""
+    times, bodies, rounds = calendar.time, calendar.body, calendar.rounds
     calendar.slot[body] = slot
-    node, winner = body + len(times) // 2, body
-    times[node] = time
-    while node > 1:
-        rival = times[node ^ 1]
-        rival_wins = (rival < time) | ((rival == time) & (node & 1 == 1))           # no jump: who wins is a toss
-        time, winner = rival if rival_wins else time, bodies[node ^ 1] if rival_wins else winner
-        node //= 2
-        if times[node] == time and bodies[node] == winner and winner != body:
+    place = body
+    times[rounds[0] + place] = time
+    for k in range(len(rounds) - 1):
+        match = place // WAYS
+        first, above = rounds[k] + match * WAYS, rounds[k + 1] + match
+        earliest, winner = _earliest(times, first)
+        winner = bodies[first + winner]
+        if times[above] == earliest and bodies[above] == winner and winner != body:
             break
-        times[node], bodies[node] = time, winner
+        times[above], bodies[above], place = earliest, winner, match
 
 
 @kernel
-def earliest_rival(calendar, body):
-    """The earliest event of all other bodies: the best of those that the body meets on its way to the root."""
-    node, earliest = body + len(calendar.time) // 2, inf
-    while node > 1:
-        earliest = min(earliest, calendar.time[node ^ 1])
-        node //= 2
-    return earliest
+def _earliest(times, first):
+    """The earliest of a match, and its place: of equal ones the first. No jump: who wins is a toss."""
+    a, i = _earlier(times[first], 0, times[first + 1], 1)
+    b, j = _earlier(times[first + 2], 2, times[first + 3], 3)
+    c, k = _earlier(times[first + 4], 4, times[first + 5], 5)
+    d, m = _earlier(times[first + 6], 6, times[first + 7], 7)
+    a, i = _earlier(a, i, b, j)
+    c, k = _earlier(c, k, d, m)
+    return _earlier(a, i, c, k)
+
+
+@kernel
+def _earlier(time, place, other_time, other_place):
+    other = other_time < time
+    return other_time if other else time, other_place if other else place

@@ -10,6 +10,7 @@ from math import floor
 import numpy as np
 
 from ccd.compiling import kernel
+from ccd.separation import support
 from edmd.boundary import displaced, fraction
 from edmd.state import FIRST_CELL
 from edmd.tolerances import FLOAT32_SLACK
@@ -65,12 +66,21 @@ def from_corner(grid, layers, at, position):
 
 
 @kernel
-def window(grid, layers, f, reach):
-    """The first and the last layer in each direction, beyond the box as well, within reach of a place with fractional coordinates f."""
-    a, b = _span(layers[0], grid.heights[0], f[0], reach)
-    c, d = _span(layers[1], grid.heights[1], f[1], reach)
-    e, g = _span(layers[2], grid.heights[2], f[2], reach)
+def window(grid, layers, f, reaches):
+    """The first and the last layer in each direction, beyond the box as well, that far from a place with fractional coordinates f."""
+    a, b = _span(layers[0], grid.heights[0], f[0], reaches[0])
+    c, d = _span(layers[1], grid.heights[1], f[1], reaches[1])
+    e, g = _span(layers[2], grid.heights[2], f[2], reaches[2])
     return (a, c, e), (b, d, g)
+
+
+@kernel
+def extent_along(grid, s):
+    """How far a body of these semi-axis vectors reaches across the faces of the cell, in each of the three directions."""
+    inverse, heights = grid.inverse, grid.heights
+    return (heights[0] * support(s, (inverse[0, 0], inverse[1, 0], inverse[2, 0])),
+            heights[1] * support(s, (inverse[0, 1], inverse[1, 1], inverse[2, 1])),
+            heights[2] * support(s, (inverse[0, 2], inverse[1, 2], inverse[2, 2])))
 
 
 @kernel

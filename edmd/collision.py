@@ -1,10 +1,10 @@
 """Apply the impulse of a contact to both bodies."""
 
-from ccd.compiling import kernel
+from ccd.compiling import kernel, large_kernel
 from ccd.rotation import body_axes, load_quaternion
 from ccd.separation import support, support_point
 from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, store, subtract
-from edmd.flight import kind_of, load_vectors, turning
+from edmd.flight import advance, kind_of, load_vectors, turning
 from edmd.pairs import size_now
 from edmd.rules import elastic, rough
 from edmd.rules.kinds import CONTACT_TIME, ELASTIC, KIND, PARAMETERS, ROUGH, smooth_restitution
@@ -37,19 +37,24 @@ def _kick(row, kind, impulse, torque, sign):
 
 
 @kernel
-def collide(world, body, partner, n, rate):
-    """Two bodies touch now, both up to date; n: the normal from one to the other, rate: of their gap, growth and rotation included."""
+def collide(world, body, partner, n):
+    """Two bodies touch now; n: the normal from one to the other."""
     clock = world.clock
     a, b = world.bodies[body], world.bodies[partner]
     kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
+    advance(a, kind_a, clock[NOW])
+    advance(b, kind_b, clock[NOW])
     s_a, s_b, size = load_vectors(a, VECTORS), load_vectors(b, VECTORS), size_now(clock)
     lever_a, lever_b = scale(size, support_point(s_a, n)), scale(-size, support_point(s_b, n))
     arm_a, arm_b = cross(lever_a, n), cross(lever_b, n)
     straight = kind_a[INVERSE_MASS] + kind_b[INVERSE_MASS]
     inverse_mass = straight + dot(arm_a, turning(a, kind_a, arm_a)) + dot(arm_b, turning(b, kind_b, arm_b))
+    supports = support(s_a, n) + support(s_b, n)
+    rate = (dot(n, subtract(load(b, VELOCITY), load(a, VELOCITY))) + dot(arm_b, turning(b, kind_b, load(b, MOMENTUM)))
+            - dot(arm_a, turning(a, kind_a, load(a, MOMENTUM))) - clock[GROWTH] * supports)
+    rate = -abs(rate)                                   # they approach: what is above 0 is rounding
     # n is unit up to rounding only: what n.n has above 1 keeps the energy, and would be rounded, one way more often, if it were added to 1
     rate -= rate * straight * ((n[0] * n[0] - 1.0) + n[1] * n[1] + n[2] * n[2]) / inverse_mass
-    supports = support(s_a, n) + support(s_b, n)
     impulse, lost = elastic.impulse(-rate, inverse_mass), 0.0
     kind = int(world.contacts.rule[KIND])
     if kind != ELASTIC and not _spared(world, body, partner):
@@ -79,7 +84,7 @@ def _spared(world, one, other):
     return True
 
 
-@kernel
+@large_kernel
 def _notice_faint(world, body, partner, rate):
     """Weigh collisions in a row whose approach is lost in the rounding of the velocities it is the difference of."""
     tally, n = world.tally, len(world.bodies)
@@ -91,7 +96,7 @@ def _notice_faint(world, body, partner, rate):
         tally[FAINT_PAIR] = pair
 
 
-@kernel
+@large_kernel
 def _rub(world, body, partner, n, contact):
     """A rough collision: an impulse in any direction. contact: both levers, and the speed at which growing surfaces approach each other."""
     a, b = world.bodies[body], world.bodies[partner]

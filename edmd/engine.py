@@ -4,10 +4,11 @@ from ccd.compiling import kernel
 from edmd.collision import collide
 from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
+from edmd.pairs import rounded, turn_plane
 from edmd.prediction import predict, reschedule
 from edmd.state import BEGIN, COLLISIONS, COUNT, EVENT, EVENTS, FAINT, INSTANT, NEXT_EPOCH, NOW, PARTNER, STANDING, WATCHED
 from edmd.tolerances import EVENTS_AT_ONCE, FAINT_COLLISIONS, FOREVER, STALL_EVENTS
-from edmd.watching import watch
+from edmd.watching import touching, watch
 
 ESCAPE = int(EventKind.ESCAPE)
 TIME, COLLISIONS_REACHED, EPOCH, PAUSED, STALLED, AT_REST = (int(Ended.TIME), int(Ended.COLLISIONS), int(Ended.EPOCH),
@@ -24,7 +25,7 @@ def advance_events(world, until_time, until_collisions):
             return COLLISIONS_REACHED
         if tally[COLLISIONS] >= tally[NEXT_EPOCH]:
             return EPOCH
-        time, body = calendar.time[1], int(calendar.body[1])
+        time, body = calendar.time[0], int(calendar.body[0])
         if time > until_time:
             if until_time >= FOREVER:
                 return AT_REST
@@ -42,16 +43,19 @@ def advance_events(world, until_time, until_collisions):
             if status != DONE:
                 return status
         elif slot < lists.spans[body, COUNT] and lists.numbers[entry, EVENT] == time:
-            world.watched[0], tally[WATCHED] = entry, 1
-        while watched < tally[WATCHED]:
-            touches, rate, n = watch(world, int(world.watched[watched]))
-            watched += 1
-            if touches and watched == 1:
-                partner = int(lists.links[entry, PARTNER])
-                collide(world, body, partner, n, rate)
+            partner = int(lists.links[entry, PARTNER])
+            touches, n = touching(world, entry, body, partner)
+            if touches:
+                collide(world, body, partner, n)
+                turn_plane(world, entry, rounded(n))
                 for one in (body, partner):
                     predict(world, one)
                     set_escape(world, one)
+            else:
+                world.watched[0], tally[WATCHED], partner = entry, 1, body
+        while watched < tally[WATCHED]:
+            watch(world, int(world.watched[watched]))
+            watched += 1
         reschedule(world, body)
         if partner != body:
             reschedule(world, partner)

@@ -6,7 +6,7 @@ from math import inf, sqrt
 
 from ccd.compiling import kernel
 from ccd.vectors import add_scaled, dot, load, scale, store, subtract
-from edmd.flight import advance_all, kind_of, turning
+from edmd.flight import advance_all, kind_of, set_turning, turning
 from edmd.neighbors import DONE, rebuild, set_escape
 from edmd.pairs import size_now
 from edmd.prediction import predict, reschedule
@@ -36,6 +36,8 @@ from edmd.state import (
     INVERSE_MASS,
     INVERSE_MOMENTS,
     LARGEST,
+    MET_SINCE,
+    MET_TIME,
     MOMENTUM,
     NEXT_EPOCH,
     NOW,
@@ -77,14 +79,16 @@ def start_epoch(world):
     clock[NOW] = clock[ENERGY_SINCE] = clock[ENERGY_TIME] = clock[VIRIAL] = 0.0
     for body in range(n):
         world.bodies[body, TIME] -= now
+        world.turns[body, MET_TIME] -= now
+        world.turns[body, MET_SINCE] -= now
         world.contacts.last[body] -= now
         world.anchors[body, ESCAPE_TIME] -= now
         begin = int(world.lists.spans[body, BEGIN])
         for entry in range(begin, begin + int(world.lists.spans[body, COUNT])):
             world.lists.numbers[entry, EVENT] -= now
             world.lists.numbers[entry, SINCE] -= now
-    for node in range(len(world.calendar.time)):
-        world.calendar.time[node] -= now
+    for place in range(len(world.calendar.time)):
+        world.calendar.time[place] -= now
     if free_time > 0:
         _pace(world, free_time)
 
@@ -218,6 +222,8 @@ def predict_all(world):
     world.clock[ENERGY] = kinetic_energy(world)
     energy_counted(world)
     advance_all(world.bodies, world.kinds, world.clock[NOW])
+    for body in range(len(world.bodies)):                           # pairs are watched before the turn of the second body comes
+        set_turning(world.bodies[body], world.turns[body], world.kinds[kind_of(world, body)])
     for body in range(len(world.bodies)):
         world.tally[WATCHED] = 0
         predict(world, body)

@@ -9,7 +9,9 @@ from ccd.vectors import add_scaled, cross, load, norm, scale, store
 from edmd.state import (
     ACROSS,
     AXIS,
+    BEND,
     BENDING,
+    FASTEST,
     FREE,
     INVERSE_MOMENTS,
     KIND,
@@ -21,6 +23,7 @@ from edmd.state import (
     SEMI_AXES,
     SPREAD,
     STILL,
+    SWERVE,
     TIME,
     UNEQUAL,
     VECTORS,
@@ -62,28 +65,40 @@ def turning(row, kind, momentum):
 
 
 @kernel
-def turning_ahead(row, kind):
-    """How the shape will turn, as `support_motion` takes it, eqs. (7d) and (7e)."""
-    momentum = load(row, MOMENTUM)
-    spin, bending = turning(row, kind, momentum), kind[BENDING]
-    if kind[MOTION] != FREE:
-        rate = norm(spin)
-        swing = _swing(row, kind, spin) + UNSTEADY * rate
-        return spin, (0.0, 0.0, 0.0), 0.5 * swing * (rate + swing) * bending, 0.0, 1.0
-    q, inverse = load_quaternion(row, ORIENTATION), load(kind, INVERSE_MOMENTS)
-    most, hardest = fastest_turning(q, momentum, inverse)
-    square, jolt = most * most, 2 * kind[UNEQUAL] * most * hardest
-    swerve = (1 / 6) * bending * (kind[LARGEST] - kind[SPREAD]) * (4 * square * most + 6 * most * hardest + jolt)
-    return spin, angular_acceleration(q, momentum, inverse), (square + 0.5 * hardest) * bending, swerve, 0.0
+def set_turning(row, turn, kind):
+    """What is constant in flight of how a shape turns, for a new angular momentum: FASTEST, the largest angular velocity there will be, of
+    a body of revolution in steady motion that of its axis; BEND and SWERVE, bounds on how its support values bend, eqs. (7d) and (7e)."""
+    if kind[MOTION] == STILL:
+        return
+    if kind[MOTION] == FREE:
+        _set_free_turning(row, turn, kind)
+    else:
+        spin = scale(kind[ACROSS], load(row, MOMENTUM))
+        rate, turn[FASTEST] = norm(spin), _swing(row, kind, spin)
+        swing = turn[FASTEST] + UNSTEADY * rate
+        turn[BEND] = 0.5 * swing * (rate + swing) * kind[BENDING]
+
+
+@large_kernel
+def _set_free_turning(row, turn, kind):
+    most, hardest = fastest_turning(load_quaternion(row, ORIENTATION), load(row, MOMENTUM), load(kind, INVERSE_MOMENTS))
+    square, jolt, bending = most * most, 2 * kind[UNEQUAL] * most * hardest, kind[BENDING]
+    turn[FASTEST], turn[BEND] = most, (square + 0.5 * hardest) * bending
+    turn[SWERVE] = (1 / 6) * bending * (kind[LARGEST] - kind[SPREAD]) * (4 * square * most + 6 * most * hardest + jolt)
 
 
 @kernel
-def fastest(row, kind):
-    """The largest angular velocity at which the shape will turn; of a body of revolution in steady motion that of its axis."""
-    momentum = load(row, MOMENTUM)
+def turning_ahead(row, turn, kind, q):
+    """How the shape will turn from the orientation q on, as `support_course` takes it."""
     if kind[MOTION] == FREE:
-        return fastest_turning(load_quaternion(row, ORIENTATION), momentum, load(kind, INVERSE_MOMENTS))[0]
-    return _swing(row, kind, scale(kind[ACROSS], momentum))
+        spin, acceleration = _free_turning(q, load(row, MOMENTUM), load(kind, INVERSE_MOMENTS))
+        return spin, acceleration, turn[BEND], turn[SWERVE], 0.0
+    return scale(kind[ACROSS], load(row, MOMENTUM)), (0.0, 0.0, 0.0), turn[BEND], 0.0, 1.0
+
+
+@large_kernel
+def _free_turning(q, momentum, inverse_moments):
+    return angular_velocity(q, momentum, inverse_moments), angular_acceleration(q, momentum, inverse_moments)
 
 
 @kernel
@@ -94,28 +109,51 @@ def _swing(row, kind, spin):
 
 
 @large_kernel
-def advance(row, kind, now):
-    """Move the body of this row to the present."""
-    time = now - row[TIME]
-    if time == 0.0:
-        return
-    store(row, POSITION, position_at(row, now))
-    row[TIME] = now
-    if kind[MOTION] == STILL:
-        return
-    q, momentum = load_quaternion(row, ORIENTATION), load(row, MOMENTUM)
+def turned_by(row, kind, time):
+    """Orientation and semi-axis vectors of a body so much later than its row has them."""
+    q = load_quaternion(row, ORIENTATION)
+    if time == 0.0 or kind[MOTION] == STILL:
+        return q, load_vectors(row, VECTORS)
     if kind[MOTION] == FREE:
-        q = turn_freely(q, momentum, load(kind, INVERSE_MOMENTS), time)
+        q = _turned_freely(q, load(row, MOMENTUM), load(kind, INVERSE_MOMENTS), time)
     else:
-        q = turn(q, scale(kind[ACROSS], momentum), time)
-    row[ORIENTATION] = q[0]
-    store(row, ORIENTATION + 1, (q[1], q[2], q[3]))
-    _set_vectors(row, kind)
+        q = turn(q, scale(kind[ACROSS], load(row, MOMENTUM)), time)
+    return q, _vectors(kind, q)
+
+
+@large_kernel
+def _turned_freely(q, momentum, inverse_moments, time):
+    return turn_freely(q, momentum, inverse_moments, time)
 
 
 @kernel
-def _set_vectors(row, kind):
-    store_vectors(row, VECTORS, semi_axis_vectors(load(kind, SEMI_AXES), body_axes(load_quaternion(row, ORIENTATION))))
+def _vectors(kind, q):
+    return semi_axis_vectors(load(kind, SEMI_AXES), body_axes(q))
+
+
+@kernel
+def flight_of(world, body, time):
+    """What the bounds need of a body at some time, in registers: position, velocity, turning, semi-axis vectors. It stays where it is."""
+    row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
+    q, vectors = turned_by(row, kind, time - row[TIME])
+    return position_at(row, time), load(row, VELOCITY), turning_ahead(row, world.turns[body], kind, q), vectors
+
+
+@kernel
+def advance(row, kind, now):
+    """Move the body of this row to the present."""
+    if kind[MOTION] != STILL:
+        _advance_shape(row, kind, now)
+    store(row, POSITION, position_at(row, now))
+    row[TIME] = now
+
+
+@kernel
+def _advance_shape(row, kind, now):
+    q, vectors = turned_by(row, kind, now - row[TIME])
+    row[ORIENTATION] = q[0]
+    store(row, ORIENTATION + 1, (q[1], q[2], q[3]))
+    store_vectors(row, VECTORS, vectors)
 
 
 @kernel
@@ -125,10 +163,12 @@ def advance_all(rows, kinds, now):
 
 
 @kernel
-def set_vectors(rows, kinds):
-    """The semi-axis vectors of all bodies from their orientations."""
+def set_shapes(rows, turns, kinds):
+    """The semi-axis vectors and the turning of all bodies from their orientations and angular momenta."""
     for body in range(len(rows)):
-        _set_vectors(rows[body], kinds[int(rows[body, KIND])])
+        row, kind = rows[body], kinds[int(rows[body, KIND])]
+        store_vectors(row, VECTORS, _vectors(kind, load_quaternion(row, ORIENTATION)))
+        set_turning(row, turns[body], kind)
 
 
 @kernel

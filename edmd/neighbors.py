@@ -7,16 +7,25 @@ can be touched before the escape. One body at a time is looked at again, and the
 
 from math import asin, inf, sqrt
 
-from ccd.compiling import kernel
+from ccd.compiling import kernel, large_kernel
 from ccd.precession import NO_AXIS
-from ccd.separation import best_plane, normal, shape_matrix, support
-from ccd.tolerances import COARSE
 from ccd.vectors import dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced, fraction, image_of
-from edmd.cells import place, scan, unpacked, window, within_reach
+from edmd.cells import extent_along, place, scan, unpacked, window, within_reach
 from edmd.events import Ended
-from edmd.flight import advance, fastest, kind_of, load_vectors
-from edmd.pairs import ball_now, direction_of, flight_now, hold_until, imaged, is_sphere, meeting_of_balls, record, size_now
+from edmd.flight import advance, flight_of, kind_of, load_vectors
+from edmd.nearness import BLOCK, beyond, near, part, put, still_near
+from edmd.pairs import (
+    ball_now,
+    courses,
+    direction_of,
+    hold_until,
+    is_sphere,
+    meeting_of_balls,
+    record,
+    rounded,
+    size_now,
+)
 from edmd.state import (
     ANCHOR_MARGIN,
     ANCHOR_POSITION,
@@ -29,6 +38,7 @@ from edmd.state import (
     ENTRIES,
     ENTRY_ROW,
     ESCAPE_TIME,
+    FASTEST,
     GROWTH,
     HITS,
     HORIZON,
@@ -49,7 +59,7 @@ from edmd.state import (
     VECTORS,
     VELOCITY,
 )
-from edmd.tolerances import MORE_ROOM, REBUILD_BEYOND, SAFE, SURELY_NEAR
+from edmd.tolerances import MORE_ROOM, REBUILD_BEYOND, SAFE
 
 DONE, NO_ROOM, CELL_TOO_SMALL = -1, int(Ended.NO_ROOM), int(Ended.CELL_TOO_SMALL)
 
@@ -77,23 +87,24 @@ def displacement(row, kind, anchor, size):
 
 
 @kernel
-def speed_of_surface(row, kind, size):
+def speed_of_surface(row, turn, kind, size):
     """How fast a support value can change at most, growth apart, by (6)."""
     speed = norm(load(row, VELOCITY))
-    return speed + fastest(row, kind) * kind[SPREAD] * size if kind[SPREAD] > 0.0 else speed
+    return speed + turn[FASTEST] * kind[SPREAD] * size if kind[SPREAD] > 0.0 else speed
 
 
 @kernel
 def set_escape(world, body):
     """The time until which an up-to-date body certainly stays within its margin."""
-    row, kind, anchor, clock = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], world.clock
+    row, turn, kind, clock = world.bodies[body], world.turns[body], world.kinds[kind_of(world, body)], world.clock
+    anchor = world.anchors[body]
     size = size_now(clock)
     left = SAFE * anchor[ANCHOR_MARGIN] - displacement(row, kind, anchor, size)
     if clock[GROWTH] == 0.0:
-        speed, longest = speed_of_surface(row, kind, size), inf
+        speed, longest = speed_of_surface(row, turn, kind, size), inf
     else:
         longest = clock[HORIZON]
-        speed = speed_of_surface(row, kind, size + abs(clock[GROWTH]) * longest) + abs(clock[GROWTH]) * kind[LARGEST]
+        speed = speed_of_surface(row, turn, kind, size + abs(clock[GROWTH]) * longest) + abs(clock[GROWTH]) * kind[LARGEST]
     anchor[ESCAPE_TIME] = clock[NOW] + min(max(left, 0.0) / speed if speed > 0 else inf, longest)
 
 
@@ -119,7 +130,7 @@ def rebuild(world, body):
         return NO_ROOM
     begin = int(world.lists.spans[body, BEGIN])
     for slot in range(int(world.lists.spans[body, COUNT]) - 1, -1, -1):
-        if not _still_near(world, body, begin + slot):
+        if not still_near(world, body, begin + slot):
             _remove(world, body, slot)
     status = _search(world, body)
     if status != DONE:
@@ -145,7 +156,7 @@ def _anchor(world, body):
     return place(world.cells, grid, body, int(kind[LEVEL]), load(row, POSITION), anchor[ANCHOR_RADIUS])
 
 
-@kernel
+@large_kernel
 def _wrap(world, body, image):
     """Move a body back by so many cell vectors; its neighbours stand in other images then, and their sides of the gaps with them."""
     row, lists, box = world.bodies[body], world.lists, world.grid.box
@@ -160,51 +171,6 @@ def _wrap(world, body, image):
         for k in range(3):
             lists.images[entry, IMAGE + k] -= image[k]
             lists.images[twin, IMAGE + k] += image[k]
-
-
-@kernel
-def _still_near(world, body, entry):
-    """Whether the gap between the anchors of two neighbours is below the sum of their margins: their last plane settles the very near."""
-    a, b = world.anchors[body], world.anchors[world.lists.links[entry, PARTNER]]
-    r = imaged(world, entry, subtract(load(b, ANCHOR_POSITION), load(a, ANCHOR_POSITION)))
-    margins = a[ANCHOR_MARGIN] + b[ANCHOR_MARGIN]
-    if is_sphere(world, body) and is_sphere(world, int(world.lists.links[entry, PARTNER])):
-        within = a[ANCHOR_RADIUS] + b[ANCHOR_RADIUS]
-        return dot(r, r) < within * within
-    s_a, s_b = load_vectors(a, ANCHOR_VECTORS), load_vectors(b, ANCHOR_VECTORS)
-    n = direction_of(world.lists, entry)
-    h_a, h_b = support(s_a, n), support(s_b, n)
-    if dot(n, r) - h_a - h_b < SURELY_NEAR * margins:
-        return True
-    n, _, _ = best_plane(s_a, s_b, r, h_a / (h_a + h_b), COARSE)
-    return _plane_gap(n, r, s_a, s_b) < margins
-
-
-@kernel
-def _near(world, body, other, r):
-    """Whether the gap between two anchors, r apart and within reach, is below the sum of their margins, and the plane that tells.
-
-    Cheap planes come first: those across the line of centres and of two spheres settle the far.
-    """
-    a, b = world.anchors[body], world.anchors[other]
-    n = scale(1.0 / norm(r), r)
-    if is_sphere(world, body) and is_sphere(world, other):
-        return True, n
-    s_a, s_b = load_vectors(a, ANCHOR_VECTORS), load_vectors(b, ANCHOR_VECTORS)
-    margins = a[ANCHOR_MARGIN] + b[ANCHOR_MARGIN]
-    if _plane_gap(n, r, s_a, s_b) >= margins:
-        return False, n
-    start = a[ANCHOR_MARGIN] / margins
-    n = normal(shape_matrix(s_a), shape_matrix(s_b), r, start)
-    if _plane_gap(n, r, s_a, s_b) >= margins:
-        return False, n
-    n, _, _ = best_plane(s_a, s_b, r, start, COARSE)
-    return _plane_gap(n, r, s_a, s_b) < margins, n
-
-
-@kernel
-def _plane_gap(n, r, s_a, s_b):
-    return dot(n, r) - support(s_a, n) - support(s_b, n)
 
 
 @kernel
@@ -236,12 +202,14 @@ def _search(world, body):
     """Find the neighbours that are not listed yet, among the bodies of every level of size."""
     cells, grid, anchor = world.cells, world.grid, world.anchors[body]
     _mark_listed(world, body)
-    position, radius = load(anchor, ANCHOR_POSITION), anchor[ANCHOR_RADIUS]
+    position, radius, margin = load(anchor, ANCHOR_POSITION), anchor[ANCHOR_RADIUS], anchor[ANCHOR_MARGIN]
+    extent = extent_along(grid, load_vectors(anchor, ANCHOR_VECTORS))
     f = fraction(position, grid.inverse)
     widest = min(grid.heights[0], grid.heights[1], grid.heights[2])
     for level in range(len(cells.levels)):
-        layers, reach, found = cells.levels[level], radius + cells.reaches[level, 0] * world.clock[REACH_SIZE], 0
-        first, last = window(grid, layers, f, reach)
+        layers, outer, found = cells.levels[level], cells.reaches[level, 0] * world.clock[REACH_SIZE], 0
+        reach, beside = radius + outer, margin + outer
+        first, last = window(grid, layers, f, (extent[0] + beside, extent[1] + beside, extent[2] + beside))
         i, j, k = first
         while i <= last[0]:
             if within_reach(grid, layers, f, (i, j, k), reach):
@@ -269,31 +237,37 @@ def _next_cell(at, first, last):
 @kernel
 def _sift(world, body, found, one_image):
     """List those of the bodies found that are neighbours and not listed yet."""
-    anchors, hits = world.anchors, world.cells.hits
-    anchor = anchors[body]
-    for k in range(found):
-        other, shift_i, shift_j, shift_k = unpacked(hits[k])
-        shift = (shift_i, shift_j, shift_k)
-        itself = other == body and shift[0] == 0 and shift[1] == 0 and shift[2] == 0
-        if itself or _listed(world, body, other, shift, one_image):
-            continue
-        r = subtract(load(anchors[other], ANCHOR_POSITION), load(anchor, ANCHOR_POSITION))
-        if shift[0] != 0 or shift[1] != 0 or shift[2] != 0:
-            r = displaced(r, world.grid.box, shift[0], shift[1], shift[2])
-        within = anchor[ANCHOR_RADIUS] + anchors[other, ANCHOR_RADIUS]
-        if dot(r, r) >= within * within:
-            continue
-        near, n = _near(world, body, other, r)
-        if near:
-            if other == body:
-                return CELL_TOO_SMALL
-            if not (_has_room(world, body) and _has_room(world, other)):
-                return NO_ROOM
-            _add(world, body, other, shift, n)
+    anchors, hits, columns = world.anchors, world.cells.hits, world.columns
+    anchor, ball = anchors[body], is_sphere(world, body)
+    for first in range(0, found, BLOCK):
+        new = 0
+        for k in range(first, min(first + BLOCK, found)):
+            other, i, j, m = unpacked(hits[k])
+            itself = other == body and i == 0 and j == 0 and m == 0
+            if itself or _listed(world, body, other, (i, j, m), one_image):
+                continue
+            r = subtract(load(anchors[other], ANCHOR_POSITION), load(anchor, ANCHOR_POSITION))
+            if i != 0 or j != 0 or m != 0:
+                r = displaced(r, world.grid.box, i, j, m)
+            if beyond(r, anchor, anchors[other], ball):
+                continue
+            put(columns, new, r, anchors[other])
+            hits[first + new] = hits[k]
+            new += 1
+        part(columns, new, anchor)
+        for k in range(new):
+            other, i, j, m = unpacked(hits[first + k])
+            listed, n = near(columns, k, anchor, ball and is_sphere(world, other))
+            if listed:
+                if other == body:
+                    return CELL_TOO_SMALL
+                if not (_has_room(world, body) and _has_room(world, other)):
+                    return NO_ROOM
+                _add(world, body, other, (i, j, m), n)
     return DONE
 
 
-@kernel
+@large_kernel
 def _has_room(world, body):
     """Whether the list can take one more; a full one is moved to the end of the entries, with more room, if there is some."""
     lists, tally = world.lists, world.tally
@@ -332,7 +306,8 @@ def _add(world, body, other, shift, n):
     if is_sphere(world, body) and is_sphere(world, other):
         span, _, _, _ = meeting_of_balls(world, entry, ball_now(world, body), ball_now(world, other))
     else:
-        span = record(world, entry, flight_now(world, body), flight_now(world, other), n)
+        n, own, far = rounded(n), flight_of(world, body, world.clock[NOW]), flight_of(world, other, world.clock[NOW])
+        span = record(world, entry, own, far, n, courses(own, far, n))
     hold_until(world, entry, world.clock[NOW] + span)
 
 

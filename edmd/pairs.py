@@ -10,10 +10,10 @@ from math import inf, sqrt
 import numpy as np
 
 from ccd.compiling import kernel
-from ccd.first_contact import gap_motion, grown, holding_time, support_motion
+from ccd.first_contact import bend_until, grown, holding_time, support_course
 from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced
-from edmd.flight import kind_of, load_vectors, position_at, turning_ahead
+from edmd.flight import kind_of, position_at
 from edmd.state import (
     EVENT,
     GROWTH,
@@ -22,6 +22,7 @@ from edmd.state import (
     LARGEST,
     NORMAL,
     NOW,
+    PARTNER,
     ROUNDING,
     SIDE,
     SIDE_BEND,
@@ -29,9 +30,7 @@ from edmd.state import (
     SINCE,
     SIZE,
     SPREAD,
-    TIME,
     TWIN,
-    VECTORS,
     VELOCITY,
 )
 from edmd.tolerances import CROSSED
@@ -39,29 +38,24 @@ from edmd.tolerances import CROSSED
 
 @kernel
 def size_now(clock):
-    return clock[SIZE] + clock[GROWTH] * clock[NOW]
+    return size_at(clock, clock[NOW])
 
 
 @kernel
-def flight_now(world, body):
-    """What the bounds need of a body, in registers: position now, velocity, turning, semi-axis vectors, and the age of the last two."""
-    row, kind, now = world.bodies[body], world.kinds[kind_of(world, body)], world.clock[NOW]
-    return position_at(row, now), load(row, VELOCITY), turning_ahead(row, kind), load_vectors(row, VECTORS), now - row[TIME]
+def size_at(clock, time):
+    return clock[SIZE] + clock[GROWTH] * time
 
 
 @kernel
-def flight_support(flight, n, clock, reach):
+def courses(a, b, n):
+    """How the supports of two flights in direction n go on (`support_course`)."""
+    return support_course(a[3], a[2], n), support_course(b[3], b[2], n)
+
+
+@kernel
+def support_until(course, size, growth, reach):
     """(value, rate, bend) of a parabola nowhere below size * h(n) of a body up to the time `reach` from now."""
-    _, _, turning, vectors, age = flight
-    return grown(support_motion(vectors, turning, n, age, reach), size_now(clock), clock[GROWTH], reach)
-
-
-@kernel
-def pair_motion(a, b, r, n, clock, reach):
-    """(gap, rate, bend, sum of supports) of two flights in direction n, eq. (8). Bodies need not be up to date."""
-    motion_a, motion_b = flight_support(a, n, clock, reach), flight_support(b, n, clock, reach)
-    gap, rate, bend = gap_motion(n, r, subtract(b[1], a[1]), motion_a, motion_b)
-    return gap, rate, bend, motion_a[0] + motion_b[0]
+    return grown((course[0], course[1], bend_until(course, reach)), size, growth, reach)
 
 
 @kernel
@@ -80,18 +74,38 @@ def imaged(world, entry, r):
 
 
 @kernel
-def record(world, entry, own, other, n):
-    """Let a pair be watched by the plane of direction n, from now on. -> for how long it holds."""
-    lists, clock = world.lists, world.clock
-    number, twin = lists.numbers[entry], lists.links[entry, TWIN]
+def image_code(world, entry):
+    """One number for the neighbour and the image of it that an entry is about."""
+    links = world.lists.links
+    return (int(links[entry, IMAGE // 4]) << 32) | int(links[entry, PARTNER])
+
+
+@kernel
+def rounded(n):
+    """A direction as the lists keep it."""
+    return np.float64(np.float32(n[0])), np.float64(np.float32(n[1])), np.float64(np.float32(n[2]))
+
+
+@kernel
+def turn_plane(world, entry, n):
+    """Put the direction n (`rounded`) on record. Both sides are to be bounded anew, this body's first: the other is void till then."""
+    lists = world.lists
     store(lists.directions[entry], NORMAL, n)
-    n = direction_of(lists, entry)
-    store(lists.directions[twin], NORMAL, scale(-1.0, n))
-    above, below = flight_support(other, n, clock, 2 * clock[HORIZON]), flight_support(own, n, clock, 2 * clock[HORIZON])
+    store(lists.directions[lists.links[entry, TWIN]], NORMAL, scale(-1.0, n))
+    lists.numbers[entry, SINCE] = world.clock[NOW]
+
+
+@kernel
+def record(world, entry, own, other, n, seen):
+    """Let a pair be watched by the plane of direction n (`rounded`), from now on; seen: its `courses`. -> for how long it holds."""
+    lists, clock = world.lists, world.clock
+    number, twin, size, growth = lists.numbers[entry], lists.links[entry, TWIN], size_now(clock), clock[GROWTH]
+    turn_plane(world, entry, n)
+    below, above = support_until(seen[0], size, growth, 2 * clock[HORIZON]), support_until(seen[1], size, growth, 2 * clock[HORIZON])
     there = dot(n, imaged(world, entry, (0.0, 0.0, 0.0)))
     side, rate = dot(n, other[0]) + there - above[0], dot(n, other[1]) - above[1]
     top, top_rate = dot(n, own[0]) + below[0], dot(n, own[1]) + below[1]
-    number[SIDE], number[SIDE_RATE], number[SIDE_BEND], number[SINCE] = side, rate, above[2], clock[NOW]
+    number[SIDE], number[SIDE_RATE], number[SIDE_BEND] = side, rate, above[2]
     number = lists.numbers[twin]
     number[SIDE], number[SIDE_RATE], number[SIDE_BEND], number[SINCE] = there - top, -top_rate, below[2], clock[NOW]
     bend = above[2] + below[2]

@@ -2,12 +2,13 @@
 
 from math import inf
 
-from ccd.compiling import kernel
+from ccd.compiling import kernel, large_kernel
 from ccd.first_contact import grown, support_motion
-from ccd.vectors import dot, subtract
+from ccd.vectors import dot, norm, subtract
 from edmd.calendar import schedule
 from edmd.events import EventKind
-from edmd.pairs import ball_now, direction_of, flight_now, held, hold_until, imaged, is_sphere, meeting, size_now, within
+from edmd.flight import flight_of, kind_of, set_turning
+from edmd.pairs import ball_now, direction_of, held, hold_until, imaged, is_sphere, meeting, size_now, within
 from edmd.state import (
     BEGIN,
     COUNT,
@@ -16,6 +17,7 @@ from edmd.state import (
     GROWTH,
     HORIZON,
     IMAGE,
+    MET_TIME,
     NORMAL,
     NOW,
     PARTNER,
@@ -39,12 +41,14 @@ def predict(world, body):
     """After a change of velocity: bound every pair of the body anew, which is up to date; some pairs are to be watched."""
     begin = int(world.lists.spans[body, BEGIN])
     end = begin + int(world.lists.spans[body, COUNT])
+    set_turning(world.bodies[body], world.turns[body], world.kinds[kind_of(world, body)])
+    world.turns[body, MET_TIME] = -inf
     if is_sphere(world, body):
         own = ball_now(world, body)
         for first in range(begin, end, BLOCK):
             _predict_balls(world, body, (first, min(first + BLOCK, end)), own)
     else:
-        flight = flight_now(world, body)
+        flight = flight_of(world, body, world.clock[NOW])
         for first in range(begin, end, BLOCK):
             _predict_block(world, (first, min(first + BLOCK, end)), flight)
 
@@ -59,8 +63,8 @@ def _predict_balls(world, body, entries, own):
         k, partner = entry - begin, int(lists.links[entry, PARTNER])
         other = ball_now(world, partner)
         r, v = imaged(world, entry, subtract(other[0], own[0])), subtract(other[1], own[1])
-        for i in range(3):
-            column[i * BLOCK + k], column[(3 + i) * BLOCK + k] = r[i], v[i]
+        column[k], column[BLOCK + k], column[2 * BLOCK + k] = r
+        column[3 * BLOCK + k], column[4 * BLOCK + k], column[5 * BLOCK + k] = v
         column[AGES + k] = own[2] + other[2]
     for k in range((end - begin + WIDTH - 1) // WIDTH * WIDTH):
         reach = column[AGES + k]
@@ -70,7 +74,18 @@ def _predict_balls(world, body, entries, own):
         span = column[SPANS + entry - begin]
         hold_until(world, entry, now + span)
         if not is_sphere(world, int(lists.links[entry, PARTNER])):
+            _tell_side(world, entry, own)
             _watch_anew(world, entry)
+
+
+@large_kernel
+def _tell_side(world, entry, own):
+    """Write a sphere's side of the plane into the list of a neighbour that is none."""
+    lists, clock, n = world.lists, world.clock, direction_of(world.lists, entry)
+    number, there = lists.numbers[lists.links[entry, TWIN]], dot(n, imaged(world, entry, (0.0, 0.0, 0.0)))
+    reach = own[2] * norm(n)
+    number[SIDE] = there - dot(n, own[0]) - size_now(clock) * reach
+    number[SIDE_RATE], number[SIDE_BEND], number[SINCE] = -dot(n, own[1]) - clock[GROWTH] * reach, 0.0, clock[NOW]
 
 
 @kernel
@@ -111,11 +126,11 @@ def _predict_block(world, entries, own):
 @kernel
 def _bound_columns(column, size, own, growing):
     """How long the planes hold; the body's own sides take the place of its neighbours'. own: up to date."""
-    position, velocity, turning, vectors, _ = own
+    position, velocity, turning, vectors = own
     factor, growth, horizon, rounding = growing
     for k in range(size):
         n = (column[NORMALS + k], column[NORMALS + BLOCK + k], column[NORMALS + 2 * BLOCK + k])
-        height, rising, bending = grown(support_motion(vectors, turning, n, 0.0, horizon), factor, growth, horizon)
+        height, rising, bending = grown(support_motion(vectors, turning, n, horizon), factor, growth, horizon)
         top, top_rate, age = dot(n, position) + height, dot(n, velocity) + rising, column[AGES + k]
         rate = column[RATES + k] - age * column[BENDS + k]
         gap = column[SIDES + k] + 0.5 * age * (column[RATES + k] + rate) - top

@@ -433,7 +433,7 @@ class Simulation:
         if status == Ended.CELL_TOO_SMALL:
             raise ValueError(building.cell_too_small(self._system.box))
         if status == Ended.STALLED:
-            raise time_stands_still(self, self._order[self._world.calendar.body[1]])
+            raise time_stands_still(self, self._order[self._world.calendar.body[0]])
         if status == Ended.AT_REST:
             raise at_rest(self)
         return status

@@ -13,6 +13,12 @@ POSITION, VELOCITY, TIME, KIND = 0, 3, 6, 7
 VECTORS, MOMENTUM, ORIENTATION = 8, 17, 20
 BODY_ROW = 24
 
+# turns: bounds of a body's turning, constant in flight (flight.py): its rate, and of support values the bend for all time and the swerve.
+# MET: the normal of the contact that it is going to make at MET_TIME with the neighbour that the calendar's `met` names, if that has had no
+# collision since: its own time is MET_SINCE still
+FASTEST, BEND, SWERVE, MET, MET_TIME, MET_SINCE = 0, 1, 2, 3, 6, 7
+TURN_ROW = 8
+
 # kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; ACROSS: the
 # inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
 # UNEQUAL: largest difference of two moments over the third; DEGREES: of rotation that collisions exchange, 0, 2 or 3;
@@ -94,11 +100,13 @@ class Cells(NamedTuple):
 
 
 class Calendar(NamedTuple):
-    """A tournament: leaf k + leaves belongs to body k, every inner node holds the earlier of its two children."""
+    """A tournament of the next events of the bodies (calendar.py): the earliest of all stands first."""
 
-    time: np.ndarray        # float64 (2 leaves,)
-    body: np.ndarray        # int32 (2 leaves,)
+    time: np.ndarray        # float64 (places,)
+    body: np.ndarray        # int32 (places,)
+    rounds: np.ndarray      # int64 (rounds,): the first place of each
     slot: np.ndarray        # int32 (n,): what the body waits for
+    met: np.ndarray         # int64 (n,): the neighbour, and in which image, whose contact with the body is known
 
 
 class Contacts(NamedTuple):
@@ -112,6 +120,7 @@ class World(NamedTuple):
     bodies: np.ndarray      # float64 (n, BODY_ROW)
     kinds: np.ndarray       # float64 (kinds, KIND_ROW)
     image: np.ndarray       # int32 (n, 3)
+    turns: np.ndarray       # float64 (n, TURN_ROW)
     anchors: np.ndarray     # float64 (n, ANCHOR_ROW)
     lists: Lists
     grid: Grid

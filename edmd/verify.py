@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from ccd import Ellipsoid, Status, batch, separation
 from ccd.culling import close_pairs
 from edmd import state
+from edmd.calendar import WAYS
 from edmd.epoch import kinetic_energy
 from edmd.flight import advance_all
 from edmd.inertia import angular_velocities
@@ -81,11 +82,12 @@ def _images(world, entry):
 
 def _check_calendar(world):
     calendar, n = world.calendar, len(world.bodies)
-    leaves = len(calendar.time) // 2
-    for node in range(leaves - 1, 0, -1):
-        winner = min((calendar.time[child], calendar.body[child]) for child in (2 * node, 2 * node + 1))
-        assert (calendar.time[node], calendar.body[node]) == winner, f"node {node} of the calendar is not the earlier of its children"
-    entry = calendar.time[leaves:leaves + n]
+    for first, end, above in zip(calendar.rounds, [len(calendar.time), *calendar.rounds], calendar.rounds[1:]):
+        for match, begin in enumerate(range(first, end, WAYS)):
+            winner = min(zip(calendar.time[begin:begin + WAYS], calendar.body[begin:begin + WAYS]))
+            place = above + match
+            assert (calendar.time[place], calendar.body[place]) == winner, f"place {place} of the calendar is not the earliest of its match"
+    entry = calendar.time[calendar.rounds[0]:calendar.rounds[0] + n]
     entries, body = _entries_in_use(world)
     earliest = np.full(n, np.inf)
     np.minimum.at(earliest, body, world.lists.numbers[entries, state.EVENT])

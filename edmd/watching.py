@@ -1,93 +1,132 @@
-"""Watching a pair: one step of the certified shoot, which says that it touches, or when to look again (docs/theory.md, section 3)."""
+"""Watching a pair: the certified shoot, which says when it can touch at the earliest (docs/theory.md, section 3). It moves no body."""
 
 from math import inf, sqrt
 
-from ccd.compiling import kernel
+from ccd.compiling import kernel, large_kernel
 from ccd.first_contact import holding_time
 from ccd.separation import best_plane, support
 from ccd.tolerances import EXACT, TOUCHING
 from ccd.turning_plane import facing, following
-from ccd.vectors import add, add_scaled, cross, dot, norm, scale, subtract
-from edmd.flight import advance, kind_of
+from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, store, subtract
+from edmd.flight import flight_of
 from edmd.pairs import (
     ball_now,
+    courses,
     direction_of,
-    flight_now,
     hold_until,
+    image_code,
     imaged,
     is_sphere,
     meeting_of_balls,
-    pair_motion,
     record,
+    rounded,
+    size_at,
     size_now,
+    support_until,
     within,
 )
-from edmd.state import GROWTH, HORIZON, LOOKS, NOW, PARTNER, REFINE, ROUNDING, TWIN
-from edmd.tolerances import ALIGNED, CROSSED, FAR, IMMINENT, LOOK_PAST, NEWTON_STEPS, WELL_ALIGNED
+from edmd.state import GROWTH, HORIZON, LOOKS, MET, MET_SINCE, MET_TIME, NOW, PARTNER, REFINE, ROUNDING, TIME, TWIN
+from edmd.tolerances import ALIGNED, ALMOST, CROSSED, FAR, GRAZING, IMMINENT, LOOK_PAST, NEWTON_STEPS, SHOTS, WELL_ALIGNED
+
+NEWTON, AIMED, BEST = range(3)          # ways to a plane, each for where the one before will not do
+UNKNOWN = -1.0                          # a gap where float64 cannot tell
 
 
 @kernel
 def watch(world, entry):
-    """Bring a pair up to date, see whether it touches, and note when it can at the earliest. -> touches, rate of the gap, normal."""
-    links, now = world.lists.links, world.clock[NOW]
+    """Note when a pair can touch at the earliest; a contact that is near, and its normal, to the last digits."""
+    links = world.lists.links
     body, partner = int(links[links[entry, TWIN], PARTNER]), int(links[entry, PARTNER])
-    world.tally[LOOKS] += 1
-    advance(world.bodies[body], world.kinds[kind_of(world, body)], now)
-    advance(world.bodies[partner], world.kinds[kind_of(world, partner)], now)
     if is_sphere(world, body) and is_sphere(world, partner):
-        return _watch_balls(world, entry, ball_now(world, body), ball_now(world, partner))
-    return _watch_ellipsoids(world, entry, flight_now(world, body), flight_now(world, partner))
+        world.tally[LOOKS] += 1
+        span, _, _, _ = meeting_of_balls(world, entry, ball_now(world, body), ball_now(world, partner))
+        hold_until(world, entry, world.clock[NOW] + span)
+    else:
+        hold_until(world, entry, _shoot(world, entry, body, partner))
 
 
 @kernel
-def _watch_balls(world, entry, own, other):
-    span, gap, rate, r = meeting_of_balls(world, entry, own, other)
-    now, reach = world.clock[NOW], (own[2] + other[2]) * size_now(world.clock)
-    touches = rate < 0 and (gap <= TOUCHING * reach + world.clock[ROUNDING] or now + span == now)
-    hold_until(world, entry, now + span)
-    return touches, rate, scale(1.0 / norm(r), r)
+def touching(world, entry, body, partner):
+    """Whether a pair whose time has come touches, and the normal: two balls do; other bodies where a shoot has found them to."""
+    if is_sphere(world, body) and is_sphere(world, partner):
+        world.tally[LOOKS] += 1
+        span, gap, rate, r = meeting_of_balls(world, entry, ball_now(world, body), ball_now(world, partner))
+        now, reach = world.clock[NOW], ball_now(world, body)[2] + ball_now(world, partner)[2]
+        close = gap <= TOUCHING * reach * size_now(world.clock) + world.clock[ROUNDING] or now + span == now
+        return rate < 0 and close, scale(1.0 / norm(r), r)
+    turn, known = world.turns[body], world.calendar.met[body] == image_code(world, entry)
+    return known and turn[MET_TIME] == world.clock[NOW] and turn[MET_SINCE] == world.bodies[partner, TIME], load(turn, MET)
 
 
 @kernel
-def _watch_ellipsoids(world, entry, own, other):
-    """Find the plane that is best when the bodies come together; just before that the plane on record stays: it is near enough."""
+def _shoot(world, entry, body, partner):
+    """By planes that are best when the bodies come together, up to the contact where that is near. -> until when they do not touch."""
     clock = world.clock
-    now, soon = clock[NOW], IMMINENT * clock[REFINE]
-    r, start = imaged(world, entry, subtract(other[0], own[0])), direction_of(world.lists, entry)
-    n, lead, found, best, asked = start, 0.0, False, False, False
+    time, growth, soon, n = clock[NOW], clock[GROWTH], IMMINENT * clock[REFINE], direction_of(world.lists, entry)
+    for shot in range(SHOTS):
+        world.tally[LOOKS] += 1
+        own, other, size = flight_of(world, body, time), flight_of(world, partner, time), size_at(clock, time)
+        r, start = imaged(world, entry, subtract(other[0], own[0])), n
+        for way in range(3):
+            best, lead, apart, found = True, 0.0, 0.0, True
+            if way != NEWTON:
+                n, best = _plane(own, other, r, start)
+            if way != BEST:
+                n, best, lead, apart, found = _aimed(own, other, r, n, (size, growth, clock[HORIZON], soon))
+                if not found:
+                    continue
+            recorded = shot == 0 and apart > GRAZING and (lead > soon or lead == 0.0)
+            if recorded:
+                n = rounded(n)
+            seen = courses(own, other, n)
+            reach = LOOK_PAST * max(lead, soon) if lead > 0.0 else clock[HORIZON]
+            below, above = support_until(seen[0], size, growth, reach), support_until(seen[1], size, growth, reach)
+            gap, rate, bend = dot(n, r) - below[0] - above[0], dot(n, subtract(other[1], own[1])) - below[1] - above[1], below[2] + above[2]
+            span = within(reach, holding_time(gap, rate, bend), bend)
+            touch = TOUCHING * (below[0] + above[0]) + clock[ROUNDING]                # positions are known no better
+            close = gap <= touch or time + span == time
+            if (gap >= 0.0 and not close) or (best and (gap >= 0.0 or lead == 0.0)):
+                break                                   # else, aimed ahead, it cuts into the bodies now, or two that touch need the best
+        stiff = bend + 2 * (size * (own[2][2] + other[2][2]) + abs(growth) * (abs(seen[0][1]) + abs(seen[1][1])))
+        if rate < 0 and best and not recorded and (close or stiff * span * span <= touch):      # that bounds the gap at the end of the span
+            time += 0.0 if close else span
+            turn, world.calendar.met[body] = world.turns[body], image_code(world, entry)
+            store(turn, MET, n)
+            turn[MET_TIME], turn[MET_SINCE] = time, world.bodies[partner, TIME]
+            return time
+        if recorded:                                    # the bound on record looks further ahead, and is less sharp
+            span = max(span, record(world, entry, own, other, n, seen))
+        time += span
+        if span > soon or time > clock[NOW] + soon:
+            break
+    return time
+
+
+@large_kernel
+def _aimed(own, other, r, n, scales):
+    """Newton's method from n to the direction that is best when the bodies come together; just before that, to one near enough.
+
+    scales: (size, growth, horizon, a time that is soon). -> direction, whether it is the best one to the last digits, time to the contact,
+    gap over the supports, whether the direction was found.
+    """
+    best, lead, gap = False, 0.0, 0.0
     for step in range(NEWTON_STEPS):
-        n, tilt, lead, gap = tilted(own, other, r, n, clock)
-        if gap < -CROSSED or (step == 0 and tilt > FAR):
+        n, tilt, lead, gap = tilted(own, other, r, n, scales)
+        if gap == UNKNOWN or tilt > FAR or (step > 0 and gap < -CROSSED):
             break
         best = tilt <= ALIGNED
-        found = best or lead > soon or (tilt * tilt <= WELL_ALIGNED * gap and gap > CROSSED)
-        if found:
-            break
-    while True:                                         # twice at most: with the pencil's plane where the other will not do
-        if not found:
-            n, best = plane(own, other, r, start)
-            found, asked, lead = True, True, 0.0
-        reach = max(LOOK_PAST * lead, LOOK_PAST * soon) if lead > 0.0 else clock[HORIZON]
-        gap, rate, bend, supports = pair_motion(own, other, r, n, clock, reach)
-        span = within(reach, holding_time(gap, rate, bend), bend)
-        close = gap <= TOUCHING * supports + clock[ROUNDING] or now + span == now           # positions are known no better
-        if asked or (gap >= 0.0 and not close) or (best and (gap >= 0.0 or lead == 0.0)):
-            break
-        found = False                                   # aimed ahead, it cuts into the bodies now, or it is not the best of two that touch
-    touches = rate < 0 and best and close
-    if touches or span > soon:              # the bound on record looks further ahead, and is less sharp
-        span = max(span, record(world, entry, own, other, n))
-    hold_until(world, entry, now if touches else now + span)
-    return touches, rate, n
+        if best or lead > scales[3] or (lead > ALMOST * scales[3] and tilt * tilt <= WELL_ALIGNED * gap and gap > CROSSED):
+            return n, best, lead, gap, True
+    return n, best, lead, gap, False
 
 
 @kernel
-def tilted(own, other, r, n, clock):
-    """One step of Newton's method from n towards the direction that is best when the bodies come together, eq. (8b).
+def tilted(own, other, r, n, scales):
+    """One step of Newton's method from n towards the direction that is best when the bodies come together, eq. (8d).
 
-    -> direction, squared angle from n, time from now when that should be, gap over the sum of the supports (-1 where float64 cannot tell).
+    scales: as for `_aimed`. -> direction, squared angle from n, time until that should be, gap over the sum of the supports or UNKNOWN.
     """
-    size, growth = size_now(clock), clock[GROWTH]
+    size, growth, horizon, _ = scales
     spin_a, spin_b = own[2][0], other[2][0]
     face_a, face_b = facing(own[3], (size, spin_a, growth), n), facing(other[3], (size, spin_b, growth), n)
     v, supports = subtract(other[1], own[1]), size * (face_a[0] + face_b[0])
@@ -98,15 +137,15 @@ def tilted(own, other, r, n, clock):
     later, _ = following(face_a, face_b, max(gap, 0.0), n, drift)
     gap, closing, bend = gap + 0.5 * dot(now, lag), max(-rate - dot(later, lag), 0.0), max(dot(later, drift), 0.0)
     comes = gap > 0.0 and closing > 0.0
-    lead = min(gap / closing, sqrt(gap / bend) if bend > 0.0 else inf, clock[HORIZON]) if comes else 0.0
+    lead = min(gap / closing, sqrt(gap / bend) if bend > 0.0 else inf, horizon) if comes else 0.0
     tilt = add_scaled(now, lead, later)
     turned = add(n, tilt)
-    return scale(1.0 / norm(turned), turned), dot(tilt, tilt), lead, gap / supports if solved else -1.0
+    return scale(1.0 / norm(turned), turned), dot(tilt, tilt), lead, gap / supports if solved else UNKNOWN
 
 
 @kernel
-def plane(own, other, r, n):
-    """The best separating direction for the poses of now, and whether it converged; n: a direction near it.
+def _plane(own, other, r, n):
+    """The best separating direction for these poses, and whether it converged; n: a direction near it.
 
     (1 - lambda) h_A = lambda h_B at the maximiser, by eq. (2): the direction says where to start.
     """

@@ -9,7 +9,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from ccd.compiling import kernel
+from ccd.compiling import kernel, large_kernel
 from edmd.rules import inelastic, power_law, viscoelastic
 from edmd.rules.elastic import Elastic
 from edmd.rules.inelastic import Inelastic
@@ -39,7 +39,7 @@ RULES = {record.kind: record for record in RECORDS.values()}
 ELASTIC, INELASTIC, VISCOELASTIC, ROUGH = (int(RuleKind.ELASTIC), int(RuleKind.INELASTIC), int(RuleKind.VISCOELASTIC), int(RuleKind.ROUGH))
 
 
-@kernel
+@large_kernel
 def smooth_restitution(rule, approach):
     """The normal restitution of a smooth, inelastic rule at this approach velocity. rule: its row."""
     kind, parameters = int(rule[KIND]), rule[PARAMETERS:]

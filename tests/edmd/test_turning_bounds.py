@@ -6,14 +6,14 @@ from scipy.spatial.transform import Rotation
 
 import edmd
 from ccd.first_contact import support_motion
-from edmd.flight import fastest, load_vectors, turning_ahead
-from edmd.state import EVENTS, KIND, SPREAD, VECTORS
+from edmd.flight import load_quaternion, load_vectors, turning_ahead
+from edmd.state import EVENTS, FASTEST, KIND, ORIENTATION, SPREAD, VECTORS
 
 TIMES = np.linspace(0, 8.0, 4001)           # of a body that turns once a radian
 
 
 def turning_body(semi_axes, tilt, rate=1.0):
-    """Row and kind of a body of revolution whose shape turns at this rate about a direction at this angle from its axis, and its axis."""
+    """Row, turn and kind of a body of revolution whose shape turns at this rate about a direction at this angle from its axis; its axis."""
     axis = next(k for k in range(3) if semi_axes[k - 1] == semi_axes[k - 2])
     u = np.eye(3)[axis]
     about = np.cos(tilt) * u + np.sin(tilt) * np.eye(3)[axis - 1]
@@ -22,7 +22,7 @@ def turning_body(semi_axes, tilt, rate=1.0):
     spin = rate * (about + (across / along - 1) * (about @ u) * u)                  # so that L / I_perp = rate * about
     body.angular_velocities[:] = spin
     world = edmd.Simulation(body)._world
-    return world.bodies[0], world.kinds[int(world.bodies[0, KIND])], u, about
+    return world.bodies[0], world.turns[0], world.kinds[int(world.bodies[0, KIND])], u, about
 
 
 def supports(semi_axes, u, about, n, rate=1.0):
@@ -39,15 +39,15 @@ TILTS = [0.0, 1e-9, 1e-4, 0.03, 0.4, np.pi / 4, 1.2, np.pi / 2, 2.8, np.pi]
 @pytest.mark.parametrize("semi_axes", SHAPES)
 def test_a_support_stays_below_its_parabola(semi_axes, tilt):
     """Up to a short and to a long reach: the local bound of the third order, and the one for all time."""
-    row, kind, u, about = turning_body(semi_axes, tilt)
-    ahead, vectors = turning_ahead(row, kind), load_vectors(row, VECTORS)
+    row, turn, kind, u, about = turning_body(semi_axes, tilt)
+    ahead, vectors = turning_ahead(row, turn, kind, load_quaternion(row, ORIENTATION)), load_vectors(row, VECTORS)
     n = np.random.default_rng(4).normal(size=(40, 3))
     n /= np.linalg.norm(n, axis=1)[:, None]
     h = supports(semi_axes, u, about, n)
     for reach in (0.05, 0.5, 8.0):
         within = reach >= TIMES
         for k, direction in enumerate(n):
-            value, rate, bend = support_motion(vectors, ahead, tuple(direction.tolist()), 0.0, reach)
+            value, rate, bend = support_motion(vectors, ahead, tuple(direction.tolist()), reach)
             time = TIMES[within]
             assert (h[k, within] <= value + rate * time + 0.5 * bend * time**2 + 1e-13).all()
 
@@ -56,12 +56,12 @@ def test_a_support_stays_below_its_parabola(semi_axes, tilt):
 @pytest.mark.parametrize("semi_axes", SHAPES)
 def test_the_bound_for_all_time_is_that_of_eq_7e(semi_axes, tilt):
     """The largest second derivative of h^2 / 2 over all directions is the one of a matrix; the bound is it, or of prolate bodies more."""
-    row, kind, u, about = turning_body(semi_axes, tilt)
+    row, turn, kind, u, about = turning_body(semi_axes, tilt)
     a2 = np.array(semi_axes)**2
     w = np.array([[0, -about[2], about[1]], [about[2], 0, -about[0]], [-about[1], about[0], 0]])
     turned = w @ np.diag(a2) - np.diag(a2) @ w
     most = np.linalg.eigvalsh(w @ turned - turned @ w)[-1] / 2
-    bound = turning_ahead(row, kind)[2] * min(semi_axes)
+    bound = turning_ahead(row, turn, kind, load_quaternion(row, ORIENTATION))[2] * min(semi_axes)
     assert bound >= most * (1 - 1e-12)
     s = np.sin(tilt)
     if abs(u) @ semi_axes < max(semi_axes):
@@ -73,12 +73,12 @@ def test_the_bound_for_all_time_is_that_of_eq_7e(semi_axes, tilt):
 @pytest.mark.parametrize("semi_axes", SHAPES)
 def test_no_support_changes_faster_than_the_axis_moves(semi_axes, tilt):
     """Eq. (6) with the speed of the axis in place of the whole turning."""
-    row, kind, u, about = turning_body(semi_axes, tilt)
+    _, turn, kind, u, about = turning_body(semi_axes, tilt)
     n = np.random.default_rng(5).normal(size=(200, 3))
     n /= np.linalg.norm(n, axis=1)[:, None]
     h = supports(semi_axes, u, about, n)
-    assert fastest(row, kind) == pytest.approx(np.sin(tilt), abs=1e-15)
-    assert (abs(np.diff(h, axis=1)) <= fastest(row, kind) * kind[SPREAD] * TIMES[1] + 1e-14).all()
+    assert turn[FASTEST] == pytest.approx(np.sin(tilt), abs=1e-15)
+    assert (abs(np.diff(h, axis=1)) <= turn[FASTEST] * kind[SPREAD] * TIMES[1] + 1e-14).all()
 
 
 def test_spin_about_the_axis_costs_no_looks():

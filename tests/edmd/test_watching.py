@@ -8,14 +8,13 @@ from scipy.spatial.transform import Rotation
 
 import ccd
 import edmd
-from edmd import state
 from edmd.watching import tilted
 
 
 def flight(body, velocity, spin):
-    """A flight as the engine has it, of a steadily turning body that is up to date."""
+    """A flight as the engine has it, of a steadily turning body."""
     vectors = tuple(tuple(v) for v in body.semi_axis_vectors.T)
-    return tuple(body.center), tuple(velocity), (tuple(spin), (0.0, 0.0, 0.0), 0.0, 0.0, 1.0), vectors, 0.0
+    return tuple(body.center), tuple(velocity), (tuple(spin), (0.0, 0.0, 0.0), 0.0, 0.0, 1.0), vectors
 
 
 def moved(body, velocity, spin, time):
@@ -40,10 +39,8 @@ def test_the_aim_is_the_best_direction_at_the_contact(seed):
     found = ccd.first_contact(a, ccd.FreeFlight((0, 0, 0), spins[0]), b, ccd.FreeFlight(velocity, spins[1]), (0.0, 10 * span))
     now = ccd.separation(a, b)
     assume(found.status == ccd.Status.CONTACT and now.gap > 0.2 * span)         # or surfaces turn away as fast as the bodies approach
-    clock = np.zeros(state.CLOCK_ROW)
-    clock[state.SIZE], clock[state.HORIZON] = 1.0, 1.0
     direction, _, lead, gap = tilted(flight(a, (0, 0, 0), spins[0]), flight(b, velocity, spins[1]), tuple(b.center - a.center),
-                                     tuple(now.normal), clock)
+                                     tuple(now.normal), (1.0, 0.0, 1.0, 0.0))
     best = ccd.separation(moved(a, (0, 0, 0), spins[0], found.time), moved(b, velocity, spins[1], found.time)).normal
     turned = np.linalg.norm(best - now.normal)
     assert gap > 0
