@@ -88,7 +88,7 @@ def kernel(function):
 
 
 def large_kernel(function):
-    """`kernel` that the compiler need not copy to wherever it is called: one that is long, and wanted in several places."""
+    """`kernel` that the compiler need not copy to wherever it is called: one long and wanted in several places, or wanted rarely."""
     return _compile(function, nogil=True, error_model="numpy", _nrt=False)
 
 

@@ -4,8 +4,8 @@ A direction separates the bodies while the gap between its two supporting planes
 in time whose first root is a time before which the bodies cannot touch. Go there, take the best direction again, repeat: quadratic
 convergence to a regular contact (the paper's Sec. 3.3 and Appendix C), always from the safe side.
 
-The search for a pair carries a direction that turns (turning_plane.py). The event engine, which takes one step at a time and throws most of
-them away, holds the direction fixed: `support_motion`, `gap_motion` and `holding_time` are its predictor.
+The search for a pair carries a direction that turns (turning_plane.py). The event engine, which throws most of its steps
+away, holds the direction fixed: `support_course`, `bend_until` and `holding_time` are its predictor.
 """
 
 from math import inf, sqrt

@@ -21,7 +21,7 @@ APART, VECTORS, MARGIN, GAP, DIRECTION, COLUMNS = (BLOCK * column for column in 
 
 @kernel
 def beyond(r, anchor, other, ball):
-    """Whether a body, r away, is too far to be a neighbour by its bounding sphere. ball: whether the body of the anchor is a sphere."""
+    """Whether a body, r away, is too far to be a neighbour even if it filled its bounding sphere. ball: the body of the anchor is one."""
     square, within = dot(r, r), anchor[ANCHOR_RADIUS] + other[ANCHOR_RADIUS]
     if ball or square >= within * within:
         return square >= within * within
