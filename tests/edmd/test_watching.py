@@ -22,10 +22,10 @@ def moved(body, velocity, spin, time):
     return ccd.Ellipsoid(body.semi_axes, body.center + np.multiply(velocity, time), turn.as_quat(scalar_first=True))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(derandomize=True, max_examples=60, deadline=None)
 @given(st.integers(0, 10**6))
 def test_the_aim_is_the_best_direction_at_the_contact(seed):
-    """Of bodies that are about to meet: within the square of the angle by which the direction turns until then, and of the lead's error."""
+    """Of bodies that are about to meet: but for terms of second order in the angles by which they turn until then, and in the lead's error."""
     rng = np.random.default_rng(seed)
     axes = [rng.uniform(0.5, 1.5, 3) for _ in range(2)]
     turns = [rng.normal(size=4) for _ in range(2)]
@@ -42,10 +42,11 @@ def test_the_aim_is_the_best_direction_at_the_contact(seed):
     direction, _, lead, gap = tilted(flight(a, (0, 0, 0), spins[0]), flight(b, velocity, spins[1]), tuple(b.center - a.center),
                                      tuple(now.normal), (1.0, 0.0, 1.0, 0.0))
     best = ccd.separation(moved(a, (0, 0, 0), spins[0], found.time), moved(b, velocity, spins[1], found.time)).normal
-    turned = np.linalg.norm(best - now.normal)
+    turned = np.linalg.norm(best - now.normal)                                      # small by chance where the two turn it to and fro
+    angle = found.time * max(np.linalg.norm(spins[0]), np.linalg.norm(spins[1]))
     assert gap > 0
     assert lead == pytest.approx(found.time, rel=0.2)
-    assert np.linalg.norm(direction - best) <= 0.25 * turned + 1e-6
+    assert np.linalg.norm(direction - best) <= 0.25 * (turned + angle**2)
 
 
 @pytest.mark.parametrize("semi_axes", [(1.0, 1.0, 10.0), (5.0, 5.0, 1.0), (1.0, 1.5, 6.0)])
