@@ -6,8 +6,9 @@ from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
 from edmd.pairs import rounded, turn_plane
 from edmd.prediction import predict, reschedule
+from edmd.prefetch import fetch_next, fetch_partner, next_body
 from edmd.state import BEGIN, COLLISIONS, COUNT, EVENT, EVENTS, FAINT, INSTANT, NEXT_EPOCH, NOW, PARTNER, STANDING, WATCHED
-from edmd.tolerances import EVENTS_AT_ONCE, FAINT_COLLISIONS, FOREVER, STALL_EVENTS
+from edmd.tolerances import EVENTS_AT_ONCE, FAINT_COLLISIONS, FETCHED_AHEAD, FOREVER, STALL_EVENTS
 from edmd.watching import touching, watch
 
 ESCAPE = int(EventKind.ESCAPE)
@@ -19,6 +20,7 @@ TIME, COLLISIONS_REACHED, EPOCH, PAUSED, STALLED, AT_REST = (int(Ended.TIME), in
 def advance_events(world, until_time, until_collisions):
     """Treat events in order until a time (counted from the epoch) or a number of collisions. -> why it ended, see `Ended`."""
     calendar, lists, clock, tally = world.calendar, world.lists, world.clock, world.tally
+    ahead = len(world.bodies) >= FETCHED_AHEAD
     patience = STALL_EVENTS + 100 * len(world.bodies)
     for _ in range(EVENTS_AT_ONCE):
         if tally[COLLISIONS] >= until_collisions:
@@ -36,6 +38,9 @@ def advance_events(world, until_time, until_collisions):
             return STALLED
         clock[NOW] = max(time, clock[NOW])
         tally[EVENTS] += 1
+        then = next_body(calendar, body) if ahead else body
+        if ahead:
+            fetch_next(world, then)
         slot, partner, watched, tally[WATCHED] = int(calendar.slot[body]), body, 0, 0
         entry = int(lists.spans[body, BEGIN]) + slot
         if slot == ESCAPE:
@@ -53,6 +58,8 @@ def advance_events(world, until_time, until_collisions):
                     set_escape(world, one)
             else:
                 world.watched[0], tally[WATCHED], partner = entry, 1, body
+        if ahead:
+            fetch_partner(world, then)
         while watched < tally[WATCHED]:
             watch(world, int(world.watched[watched]))
             watched += 1

@@ -26,6 +26,7 @@ from edmd.pairs import (
     rounded,
     size_now,
 )
+from edmd.prefetch import fetch_anchor
 from edmd.state import (
     ANCHOR_MARGIN,
     ANCHOR_POSITION,
@@ -129,6 +130,7 @@ def rebuild(world, body):
         world.anchors[body, ANCHOR_POSITION] = inf
         return NO_ROOM
     begin = int(world.lists.spans[body, BEGIN])
+    _mark_listed(world, body)
     for slot in range(int(world.lists.spans[body, COUNT]) - 1, -1, -1):
         if not still_near(world, body, begin + slot):
             _remove(world, body, slot)
@@ -175,10 +177,12 @@ def _wrap(world, body, image):
 
 @kernel
 def _mark_listed(world, body):
-    """Let every neighbour on the list be known as seen by this rebuild."""
+    """Let every neighbour on the list be known as seen by this rebuild: if it stays it need not be found, nor looked into again if not."""
     lists, begin = world.lists, int(world.lists.spans[body, BEGIN])
     for entry in range(begin, begin + int(lists.spans[body, COUNT])):
-        lists.seen[lists.links[entry, PARTNER]] = world.tally[REBUILDS]
+        partner = int(lists.links[entry, PARTNER])
+        lists.seen[partner] = world.tally[REBUILDS]
+        fetch_anchor(world.anchors, partner)
 
 
 @kernel
@@ -201,7 +205,6 @@ def _listed(world, body, other, shift, one_image):
 def _search(world, body):
     """Find the neighbours that are not listed yet, among the bodies of every level of size."""
     cells, grid, anchor = world.cells, world.grid, world.anchors[body]
-    _mark_listed(world, body)
     position, radius, margin = load(anchor, ANCHOR_POSITION), anchor[ANCHOR_RADIUS], anchor[ANCHOR_MARGIN]
     extent = extent_along(grid, load_vectors(anchor, ANCHOR_VECTORS))
     f = fraction(position, grid.inverse)
@@ -241,6 +244,8 @@ def _sift(world, body, found, one_image):
     anchor, ball = anchors[body], is_sphere(world, body)
     for first in range(0, found, BLOCK):
         new = 0
+        for k in range(first, min(first + BLOCK, found)):
+            fetch_anchor(anchors, int(hits[k]) & 0xFFFFFFFF)
         for k in range(first, min(first + BLOCK, found)):
             other, i, j, m = unpacked(hits[k])
             itself = other == body and i == 0 and j == 0 and m == 0

@@ -9,6 +9,7 @@ from edmd.calendar import schedule
 from edmd.events import EventKind
 from edmd.flight import flight_of, kind_of, set_turning
 from edmd.pairs import ball_now, direction_of, held, hold_until, imaged, is_sphere, meeting, size_now, within
+from edmd.prefetch import fetch, fetch_body
 from edmd.state import (
     BEGIN,
     COUNT,
@@ -61,6 +62,7 @@ def _predict_balls(world, body, entries, own):
     now, growth, size = clock[NOW], clock[GROWTH], size_now(clock)
     for entry in range(begin, end):
         k, partner = entry - begin, int(lists.links[entry, PARTNER])
+        fetch(lists.numbers[lists.links[entry, TWIN]], 0)
         other = ball_now(world, partner)
         r, v = imaged(world, entry, subtract(other[0], own[0])), subtract(other[1], own[1])
         column[k], column[BLOCK + k], column[2 * BLOCK + k] = r
@@ -92,6 +94,7 @@ def _tell_side(world, entry, own):
 def _watch_anew(world, entry):
     """Ask for a better plane than the one on record, or where there is no room to ask, for a look at once."""
     tally = world.tally
+    fetch_body(world, int(world.lists.links[entry, PARTNER]))
     if tally[WATCHED] < len(world.watched):
         world.watched[tally[WATCHED]] = entry
         tally[WATCHED] += 1
@@ -109,6 +112,7 @@ def _predict_block(world, entries, own):
         column[NORMALS + k], column[NORMALS + BLOCK + k], column[NORMALS + 2 * BLOCK + k] = n[NORMAL], n[NORMAL + 1], n[NORMAL + 2]
         column[SIDES + k], column[RATES + k], column[BENDS + k] = number[SIDE], number[SIDE_RATE], number[SIDE_BEND]
         column[AGES + k] = now - number[SINCE]
+        fetch(lists.numbers[lists.links[entry, TWIN]], 0)
     _bound_columns(column, (end - begin + WIDTH - 1) // WIDTH * WIDTH, own,
                    (size_now(clock), clock[GROWTH], 2 * clock[HORIZON], clock[ROUNDING]))
     for entry in range(begin, end):

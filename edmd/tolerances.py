@@ -27,6 +27,7 @@ UNSTEADY = 1e-15            # share of its turning by which the axis of a body o
 DRIFTED = 1e-16             # share of the energy from which a common drift, the sum of rounding, is taken back
 FOREVER = 1e299             # a time that never comes
 STALL_EVENTS = 10_000       # events without progress of time (plus 100 per body) after which the engine gives up
+FETCHED_AHEAD = 8192        # bodies from which memory is asked for before its event comes: fewer fit the caches
 EVENTS_AT_ONCE = 1_000_000  # events between two looks of Python for an interrupt
 LIST_ROOM = 16              # first capacity of a neighbour list
 MORE_ROOM = 4               # by how much it grows when needed, at least

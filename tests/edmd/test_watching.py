@@ -25,7 +25,7 @@ def moved(body, velocity, spin, time):
 @settings(derandomize=True, max_examples=60, deadline=None)
 @given(st.integers(0, 10**6))
 def test_the_aim_is_the_best_direction_at_the_contact(seed):
-    """Of bodies that are about to meet: but for terms of second order in the angles by which they turn until then, and in the lead's error."""
+    """Of bodies that are about to meet: but for terms of second order in the angles by which they turn until then."""
     rng = np.random.default_rng(seed)
     axes = [rng.uniform(0.5, 1.5, 3) for _ in range(2)]
     turns = [rng.normal(size=4) for _ in range(2)]
