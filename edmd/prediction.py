@@ -149,7 +149,8 @@ def reschedule(world, body):
     numbers, span = world.lists.numbers, world.lists.spans[body]
     begin = int(span[BEGIN])
     earliest, what = world.anchors[body, ESCAPE_TIME], ESCAPE
-    for slot in range(int(span[COUNT])):
-        if numbers[begin + slot, EVENT] < earliest:
-            earliest, what = numbers[begin + slot, EVENT], slot
+    for slot in range(int(span[COUNT])):                            # no jump: who is earlier is a toss
+        time = numbers[begin + slot, EVENT]
+        earlier = time < earliest
+        earliest, what = time if earlier else earliest, slot if earlier else what
     schedule(world.calendar, body, earliest, what)
