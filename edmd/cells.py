@@ -12,7 +12,7 @@ import numpy as np
 from ccd.compiling import kernel
 from ccd.separation import support
 from edmd.boundary import displaced, fraction
-from edmd.prefetch import LINE, fetch
+from edmd.prefetch import fetch_cell
 from edmd.state import FIRST_CELL
 from edmd.tolerances import FLOAT32_SLACK
 
@@ -114,9 +114,7 @@ def scan(cells, grid, level, at, position, radius, found):
     j, shift_j = _wrapped(at[1], layers[1])
     k, shift_k = _wrapped(at[2], layers[2])
     cell, image = layers[FIRST_CELL] + (i * layers[1] + j) * layers[2] + k, packed(shift_i, shift_j, shift_k)
-    for slot in range(0, int(cells.count[cell]), LINE // 2):            # four of the places, in float32, stand in one line
-        fetch(cells.places[cell, slot], 0)
-    fetch(cells.bodies[cell], 0)
+    fetch_cell(cells, min(cell + layers[2], len(cells.count) - 1))      # beside it in the next row, which comes soon
     x, y, z = from_corner(grid, layers, at, position)
     slack = FLOAT32_SLACK * (abs(x) + abs(y) + abs(z) + cells.reaches[level, 1])
     x, y, z, wide = np.float32(x), np.float32(y), np.float32(z), np.float32(radius + slack)

@@ -6,7 +6,7 @@ from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
 from edmd.pairs import rounded, turn_plane
 from edmd.prediction import predict, reschedule
-from edmd.prefetch import fetch_next, fetch_partner, next_body
+from edmd.prefetch import fetch_list_of_partner, fetch_next, fetch_pair
 from edmd.state import BEGIN, COLLISIONS, COUNT, EVENT, EVENTS, FAINT, INSTANT, NEXT_EPOCH, NOW, PARTNER, STANDING, WATCHED
 from edmd.tolerances import EVENTS_AT_ONCE, FAINT_COLLISIONS, FETCHED_AHEAD, FOREVER, STALL_EVENTS
 from edmd.watching import touching, watch
@@ -38,9 +38,7 @@ def advance_events(world, until_time, until_collisions):
             return STALLED
         clock[NOW] = max(time, clock[NOW])
         tally[EVENTS] += 1
-        then = next_body(calendar, body) if ahead else body
-        if ahead:
-            fetch_next(world, then)
+        then = fetch_next(world, body) if ahead else body
         slot, partner, watched, tally[WATCHED] = int(calendar.slot[body]), body, 0, 0
         entry = int(lists.spans[body, BEGIN]) + slot
         if slot == ESCAPE:
@@ -59,10 +57,12 @@ def advance_events(world, until_time, until_collisions):
             else:
                 world.watched[0], tally[WATCHED], partner = entry, 1, body
         if ahead:
-            fetch_partner(world, then)
+            fetch_pair(world, then)
         while watched < tally[WATCHED]:
             watch(world, int(world.watched[watched]))
             watched += 1
+        if ahead:
+            fetch_list_of_partner(world, then)
         reschedule(world, body)
         if partner != body:
             reschedule(world, partner)

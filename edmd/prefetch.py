@@ -12,6 +12,7 @@ from ccd.compiling import kernel
 from edmd.calendar import WAYS
 from edmd.state import BEGIN, COUNT, PARTNER
 
+WAYS_BITS = 3               # WAYS as a power of two
 LINE = 8                    # float64 of a cache line
 READ, KEEP, DATA = 0, 3, 1  # what llvm.prefetch takes: to be read, into the nearest cache, no code
 
@@ -64,24 +65,32 @@ def fetch_list(lists, body):
 
 
 @kernel
-def next_body(calendar, body):
-    """Whose event is the earliest of all but this body's: it has lost a match that this body has won. The body itself, if none has any."""
-    rounds, times, place = calendar.rounds, calendar.time, body
-    earliest, winner = inf, body
-    for k in range(len(rounds) - 1):
-        match = place // WAYS
-        first = rounds[k] + match * WAYS
+def fetch_cell(cells, cell):
+    """The bodies of a cell: of its places, in float32, four stand in a line."""
+    for slot in range(0, cells.places.shape[1], LINE // 2):
+        fetch(cells.places[cell, slot], 0)
+    fetch(cells.bodies[cell], 0)
+
+
+@kernel
+def likely_next(calendar, body):
+    """Whose event is the earliest of all but this body's, as far as the last two matches that it won tell; itself, if they do not."""
+    rounds, times = calendar.rounds, calendar.time
+    earliest, place = inf, int(rounds[0]) + body
+    for k in range(max(len(rounds) - 3, 0), len(rounds) - 1):
+        won = body >> (k * WAYS_BITS)
+        first = rounds[k] + won // WAYS * WAYS
         for rival in range(first, first + WAYS):
-            earlier = times[rival] < earliest and rival != rounds[k] + place
-            earliest, winner = times[rival] if earlier else earliest, int(calendar.body[rival]) if earlier else winner
-        place = match
-    return winner
+            earlier = times[rival] < earliest and rival != rounds[k] + won
+            earliest, place = times[rival] if earlier else earliest, rival if earlier else place
+    return int(calendar.body[place])
 
 
 @kernel
 def fetch_next(world, body):
-    """What the first steps of a body's event take."""
-    calendar, place = world.calendar, body
+    """What the first steps of the event after this body's take. -> whose event that is, most likely"""
+    calendar = world.calendar
+    place = body = likely_next(calendar, body)
     fetch_body(world, body)
     fetch_anchor(world.anchors, body)
     fetch(world.lists.spans[body], 0)
@@ -90,16 +99,27 @@ def fetch_next(world, body):
         fetch(calendar.time, calendar.rounds[k] + place)
         place //= WAYS
         fetch(calendar.body, calendar.rounds[k + 1] + place)
+    return body
 
 
 @kernel
-def fetch_partner(world, body):
-    """What the event of a body takes besides, once `fetch_next` has brought what tells."""
+def fetch_pair(world, body):
+    """What its event takes next, once `fetch_next` has brought what tells: its list, and the partner."""
+    partner = _partner(world, body)
+    fetch_list(world.lists, body)
+    fetch_body(world, partner)
+    fetch_anchor(world.anchors, partner)
+    fetch(world.lists.spans[partner], 0)
+
+
+@kernel
+def fetch_list_of_partner(world, body):
+    """And at last the list of the partner, once `fetch_pair` has brought where it is."""
+    fetch_list(world.lists, _partner(world, body))
+
+
+@kernel
+def _partner(world, body):
+    """Whom a body is to be looked at with next; itself, when it may leave its margin."""
     lists, slot = world.lists, int(world.calendar.slot[body])
-    fetch_list(lists, body)
-    if 0 <= slot < lists.spans[body, COUNT]:
-        partner = int(lists.links[int(lists.spans[body, BEGIN]) + slot, PARTNER])
-        fetch_body(world, partner)
-        fetch_anchor(world.anchors, partner)
-        fetch(world.lists.spans[partner], 0)
-        fetch_list(lists, partner)
+    return int(lists.links[int(lists.spans[body, BEGIN]) + slot, PARTNER]) if 0 <= slot < lists.spans[body, COUNT] else body
