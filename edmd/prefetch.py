@@ -12,7 +12,6 @@ from ccd.compiling import kernel
 from edmd.calendar import WAYS
 from edmd.state import BEGIN, COUNT, PARTNER
 
-WAYS_BITS = 3               # WAYS as a power of two
 LINE = 8                    # float64 of a cache line
 READ, KEEP, DATA = 0, 3, 1  # what llvm.prefetch takes: to be read, into the nearest cache, no code
 
@@ -76,13 +75,14 @@ def fetch_cell(cells, cell):
 def likely_next(calendar, body):
     """Whose event is the earliest of all but this body's, as far as the last two matches that it won tell; itself, if they do not."""
     rounds, times = calendar.rounds, calendar.time
-    earliest, place = inf, int(rounds[0]) + body
-    for k in range(max(len(rounds) - 3, 0), len(rounds) - 1):
-        won = body >> (k * WAYS_BITS)
-        first = rounds[k] + won // WAYS * WAYS
-        for rival in range(first, first + WAYS):
-            earlier = times[rival] < earliest and rival != rounds[k] + won
-            earliest, place = times[rival] if earlier else earliest, rival if earlier else place
+    earliest, place, won = inf, int(rounds[0]) + body, body
+    for k in range(len(rounds) - 1):
+        match = won // WAYS
+        if k >= len(rounds) - 3:
+            for rival in range(rounds[k] + match * WAYS, rounds[k] + (match + 1) * WAYS):
+                earlier = times[rival] < earliest and rival != rounds[k] + won
+                earliest, place = times[rival] if earlier else earliest, rival if earlier else place
+        won = match
     return int(calendar.body[place])
 
 
