@@ -17,7 +17,7 @@ READ, KEEP, DATA = 0, 3, 1  # what llvm.prefetch takes: to be read, into the nea
 
 
 def fetch(row, k):
-    """Ask for the cache line of row[k], of an array of one dimension; what is not in the array is not asked for."""
+    """Ask for the cache line of row[k], of an array of one dimension. In plain Python nothing."""
 
 
 @overload(fetch)
@@ -120,6 +120,6 @@ def fetch_list_of_partner(world, body):
 
 @kernel
 def _partner(world, body):
-    """Whom a body is to be looked at with next; itself, when it may leave its margin."""
+    """With whom a body may collide next, as far as known; itself, when it waits for its escape."""
     lists, slot = world.lists, int(world.calendar.slot[body])
     return int(lists.links[int(lists.spans[body, BEGIN]) + slot, PARTNER]) if 0 <= slot < lists.spans[body, COUNT] else body
