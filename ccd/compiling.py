@@ -1,82 +1,84 @@
-"""The one decorator for compiled code, with a disk cache that is never stale.
+"""The decorators of compiled code, and how: to little machine code, for which the engine waits longer than for arithmetic."""
 
-numba's own cache notices an edit in the file of the cached function only, not in the files whose kernels it calls. The cache folder
-is therefore named after a digest of every source file that a kernel can depend on: an edit opens a new, empty folder.
-"""
-
-import functools
-import hashlib
-import os
-import re
-import shutil
-import tempfile
-from pathlib import Path
-
+import llvmlite.binding
 import numba
+from numba.core import ir, types
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import FunctionPass, register_pass
+from numba.core.lowering import Lower
+from numba.core.typed_passes import NativeLowering, NopythonTypeInference
+from numba.core.types.containers import BaseTuple
 
-ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("ccd", "edmd", "analysis")
-_IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+)?import\s+(\([^)]*\)|.+)$", re.MULTILINE)
-FOLDERS_KEPT = 4                 # caches of earlier sources, for people who switch between branches
-
-
-def kernel_sources(package):
-    """Files of a package that hold a kernel, and every file of these packages that they import, directly or not: name -> text."""
-    texts = {str(path.relative_to(ROOT))[:-3].replace(os.sep, ".").removesuffix(".__init__"): path.read_bytes()
-             for each in PACKAGES for path in (ROOT / each).rglob("*.py")}
-    reached = {name for name, text in texts.items()
-               if name.startswith(f"{package}.") and re.search(rb"^@(parallel_|large_)?kernel", text, re.M)}
-    frontier = list(reached)
-    while frontier:
-        for module, names in _IMPORT.findall(texts[frontier.pop()].decode()):
-            names = re.findall(r"[\w.]+", names)
-            new = ({module, *(f"{module}.{name}" for name in names)} if module else set(names)) & texts.keys() - reached
-            reached |= new
-            frontier += new
-    return {name: texts[name] for name in sorted(reached)}
+from ccd.code_cache import cache_folder
 
 
-def _writable(folder):
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
+@register_pass(mutates_CFG=False, analysis_only=False)
+class IndicesFromTheFront(FunctionPass):
+    """No kernel has an index below 0: told so, numba leaves out what would count such an index from the end, at every access."""
+
+    _name = "indices_from_the_front"
+
+    def __init__(self):
+        FunctionPass.__init__(self)
+
+    def run_pass(self, state):
+        changed = {}
+        for node, signature in state.calltypes.items():
+            if isinstance(node, ir.SetItem) or (isinstance(node, ir.Expr) and node.op == "getitem"):
+                array, index, *value = signature.args
+                if isinstance(array, types.Array):
+                    changed[node] = signature.replace(args=(array, _not_negative(index), *value))
+        state.calltypes.update(changed)
+        return bool(changed)
 
 
-@functools.cache
-def cache_folder(package):
-    """The folder for the compiled code of a package: in $EDMD_CACHE_DIR, else in the user's cache folder, else in the temporary one.
-
-    None, which means no cache, where none can be written, and for code from elsewhere, whose sources are not known here.
-    """
-    if package not in PACKAGES:
-        return None
-    digest = hashlib.sha256(f"bounds checked: {numba.config.BOUNDSCHECK}".encode())
-    for name, text in kernel_sources(package).items():
-        digest.update(name.encode() + b"\0" + text)
-    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    candidates = [Path(os.environ["EDMD_CACHE_DIR"])] if "EDMD_CACHE_DIR" in os.environ else []
-    candidates += [user / "edmd", Path(tempfile.gettempdir()) / f"edmd-{os.getuid() if hasattr(os, 'getuid') else 'user'}"]
-    for base in candidates:
-        folder = base / f"{package}-{digest.hexdigest()[:16]}"
-        if _writable(folder):
-            os.utime(folder)
-            _forget_old(base, package, keep=folder)
-            return str(folder)
-    return None
+def _not_negative(index):
+    if isinstance(index, BaseTuple):
+        return BaseTuple.from_types([_not_negative(each) for each in index])
+    return types.uintp if isinstance(index, types.Integer) and not isinstance(index, types.Literal) else index
 
 
-def _forget_old(base, package, keep):
-    def age(folder):
+class _Lower(Lower):
+    """A large kernel stays a function of its own: LLVM would copy it to every place that calls it."""
+
+    def setup_function(self, fndesc):
+        super().setup_function(fndesc)
+        if "alwaysinline" not in self.function.attributes:
+            self.function.attributes.add("noinline")
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class KernelLowering(NativeLowering):
+    _name = "kernel_lowering"
+    lowering_class = _Lower
+
+
+class KernelCompiler(CompilerBase):
+    """numba's own pipeline, with these two and without unrolled loops."""
+
+    _nested = 0
+
+    def define_pipelines(self):
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.add_pass_after(IndicesFromTheFront, NopythonTypeInference)
+        passes.passes = [(KernelLowering, why) if each is NativeLowering else (each, why) for each, why in passes.passes]
+        passes.finalize()
+        return [passes]
+
+    def compile_extra(self, function):
+        KernelCompiler._nested += 1                         # a kernel is compiled within those that call it, one thread at a time
+        _unroll("false", 20)
         try:
-            return folder.stat().st_mtime
-        except OSError:
-            return 0.0
-    others = sorted((folder for folder in base.glob(f"{package}-*") if folder != keep), key=age)
-    for folder in others[:-FOLDERS_KEPT]:
-        shutil.rmtree(folder, ignore_errors=True)
+            return super().compile_extra(function)
+        finally:
+            KernelCompiler._nested -= 1
+            if not KernelCompiler._nested:
+                _unroll("true", 300)                        # what LLVM does by itself
+
+
+def _unroll(copies, threshold):
+    for option in (f"-unroll-runtime={copies}", f"-unroll-threshold={threshold}"):
+        llvmlite.binding.set_option("ccd", option)
 
 
 def kernel(function):
@@ -84,12 +86,14 @@ def kernel(function):
 
     A kernel allocates nothing and counts no references: one that returns a view of an array is called by kernels only.
     """
-    return _compile(function, nogil=True, error_model="numpy", _nrt=False, forceinline=True)
+    return _compile(function, nogil=True, error_model="numpy", _nrt=False, pipeline_class=KernelCompiler, forceinline=True)
 
 
 def large_kernel(function):
-    """`kernel` that the compiler need not copy to wherever it is called: one long and wanted in several places, or wanted rarely."""
-    return _compile(function, nogil=True, error_model="numpy", _nrt=False)
+    """`kernel` that is not copied to wherever it is called: one long and wanted in several places, or wanted rarely. With few arguments:
+    a World is more than two hundred."""
+    return _compile(function, nogil=True, error_model="numpy", _nrt=False, pipeline_class=KernelCompiler,
+                    forceinline=False)                                  # said, since an option not set is that of whoever compiles first
 
 
 def parallel_kernel(function):

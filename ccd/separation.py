@@ -199,10 +199,15 @@ def normal(a, b, r, x):
     return scale(1.0 / norm(n), n)
 
 
-@large_kernel
+@kernel
 def best_plane(s_a, s_b, r, start, precision):
     """Maximise the contact function of two bodies given by semi-axis vectors. -> unit normal, lambda, converged."""
-    a, b = shape_matrix(s_a), shape_matrix(s_b)
+    return best_plane_of(shape_matrix(s_a), shape_matrix(s_b), r, start, precision)
+
+
+@large_kernel
+def best_plane_of(a, b, r, start, precision):
+    """`best_plane` of two shape matrices."""
     d, n = pencil(a, b, r)
     x, converged = maximise(d, n, start, precision)
     return normal(a, b, r, x), x, converged

@@ -48,12 +48,18 @@ def facing(s, flight, n):
     s: its semi-axis vectors at size 1; flight: (size, spin, growth).
     curvature: H, the second derivative of size * h by n, eq. (8b). drift: what the body's flight adds to the right side of eq. (8b).
     """
-    size, spin, growth = flight
     p, q, w = dot(s[0], n), dot(s[1], n), dot(s[2], n)
     h = sqrt(p * p + q * q + w * w)
     over = 1.0 / h
     c = scale(over, add_scaled(add_scaled(scale(p, s[0]), q, s[1]), w, s[2]))
-    x, k = shape_matrix(s), size * over
+    return face(h, c, over, shape_matrix(s), flight, n)
+
+
+@kernel
+def face(h, c, over, x, flight, n):
+    """What `facing` returns, from h, c, 1 / h and the shape matrix."""
+    size, spin, growth = flight
+    k = size * over
     curvature = (k * (x[0] - c[0] * c[0]), k * (x[1] - c[1] * c[1]), k * (x[2] - c[2] * c[2]),
                  k * (x[3] - c[0] * c[1]), k * (x[4] - c[0] * c[2]), k * (x[5] - c[1] * c[2]))
     drift = subtract(scale(size, cross(c, spin)), add_scaled(times(curvature, cross(n, spin)), growth, c))

@@ -7,11 +7,11 @@ import numpy as np
 from ccd.precession import symmetry_axes
 from edmd import nearness, prediction, state
 from edmd.calendar import WAYS
-from edmd.epoch import energy_counted, kinetic_energy, mean_velocity, rebuild_all, reschedule_all
+from edmd.epoch import energy_counted, forget_lists, kinetic_energy, make_lists, mean_velocity, reschedule_all
 from edmd.events import Ended
 from edmd.flight import advance_all, set_shapes, turn_still
 from edmd.inertia import angular_momenta, motions, rotational_degrees
-from edmd.neighbors import DONE
+from edmd.neighbors import DONE, copy_entries
 from edmd.rules.kinds import KIND, ROUGH, rule_row
 from edmd.state import Calendar, Cells, Contacts, Grid, Lists, World
 from edmd.system import wrap
@@ -23,9 +23,10 @@ from edmd.tolerances import (
     EPOCH_LEAST,
     LIST_ROOM,
     MARGIN,
-    MORE_ROOM,
     NARROWEST,
     REFINE_BELOW,
+    SPARE_ROOM,
+    SPARE_SHARE,
 )
 
 
@@ -53,7 +54,8 @@ def build_world(system, rule):
     if 0.5 * mass * np.dot(drift, drift) > DRIFTED * clock[state.ENERGY]:           # or it is rounding
         clock[state.DRIFT:state.DRIFT + 3] = drift
     energy_counted(world)
-    world, status = with_room(world, rebuild_all)
+    forget_lists(world)
+    world, status = with_room(world, make_lists, room=2 * LIST_ROOM)
     if status != DONE:
         raise ValueError(cell_too_small(system.box))
     world = _packed(world)
@@ -69,11 +71,14 @@ def set_pace(world, velocities):
     clock[state.REFINE] = REFINE_BELOW * clock[state.HORIZON] if speed > 0 else 0.0
 
 
-def with_room(world, action, *arguments):
-    """Run a kernel that may need longer lists; it is asked again with more room as often as it says so. -> world, status."""
+def with_room(world, action, *arguments, room=0):
+    """Run a kernel that may need longer lists; it is asked again with more room as often as it says so. -> world, status.
+
+    room: for so many entries at least, in every list.
+    """
     status = action(world, *arguments)
     while status == Ended.NO_ROOM:
-        world = _packed(_with_roomy_cells(world))
+        world = _packed(_with_roomy_cells(world), room)
         status = action(world, *arguments)
     return world, status
 
@@ -147,6 +152,10 @@ def _kind_rows(system, rough):
     rows[:, state.SPREAD] = largest - smallest
     rows[:, state.LARGEST] = largest
     rows[:, state.BENDING] = (largest**2 - smallest**2) / smallest
+    pole = np.array([0, 1, 2, state.GENERAL, 0])[axis]
+    rows[:, state.POLE] = np.where(motion == state.FREE, state.GENERAL, pole)
+    rows[:, state.ALONG_SQUARE] = semi_axes[np.arange(len(distinct)), pole]**2
+    rows[:, state.ACROSS_SQUARE] = semi_axes[np.arange(len(distinct)), pole - 1]**2
     rows[:, state.MARGIN_LENGTH] = MARGIN * _cube_root(semi_axes.prod(axis=1))
     return rows, kind.ravel()
 
@@ -176,7 +185,7 @@ def _lists(room):
     spans[:, state.ROOM] = room
     spans[:, state.BEGIN] = np.cumsum(room) - room
     taken = int(room.sum())
-    return _views(spans, _aligned(taken + taken // 16 + 64, state.ENTRY_ROW), np.full(len(room), -1))
+    return _views(spans, _aligned(taken + taken // SPARE_SHARE + 64, state.ENTRY_ROW), np.full(len(room), -1))
 
 
 def _views(spans, numbers, seen):
@@ -245,19 +254,14 @@ def _with_roomy_cells(world):
     return world._replace(cells=new)
 
 
-def _packed(world):
-    """The same world with its lists in order, each with a little more room than it has entries."""
-    spans, old = world.lists.spans, world.lists.numbers
-    count = spans[:, state.COUNT]
-    lists = _lists(count + MORE_ROOM - 1)
+def _packed(world, room=0):
+    """The same world with its lists in order, each with a little more room than it has entries, or with this room if that is more."""
+    old = world.lists
+    count = old.spans[:, state.COUNT]
+    lists = _lists(np.maximum(count + SPARE_ROOM, room))
     lists.spans[:, state.COUNT] = count
-    lists.seen[:] = world.lists.seen
-    slot = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    source, target = np.repeat(spans[:, state.BEGIN], count) + slot, np.repeat(lists.spans[:, state.BEGIN], count) + slot
-    moved = np.zeros(len(old), dtype=np.int32)
-    moved[source] = target
-    lists.numbers[target] = old[source]
-    lists.links[target, state.TWIN] = moved[lists.links[target, state.TWIN]]
+    lists.seen[:] = old.seen
+    copy_entries(old, lists, np.empty(len(old.numbers), dtype=np.int32))
     world.tally[state.ENTRIES] = lists.spans[:, state.ROOM].sum()
     return world._replace(lists=lists)
 

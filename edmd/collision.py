@@ -58,9 +58,10 @@ def collide(world, body, partner, n):
     impulse, lost = elastic.impulse(-rate, inverse_mass), 0.0
     kind = int(world.contacts.rule[KIND])
     if kind != ELASTIC and not _spared(world, body, partner):
-        _notice_faint(world, body, partner, rate)
+        _notice_faint(world.tally, a, b, min(body, partner) * len(world.bodies) + max(body, partner), rate)
         if kind == ROUGH:
-            _rub(world, body, partner, n, (lever_a, lever_b, clock[GROWTH] * supports))
+            virial, gain = _rub(a, b, kind_a, kind_b, n, (lever_a, lever_b, clock[GROWTH] * supports), world.contacts.rule)
+            _record(world, virial, gain)
             return
         left = smooth_restitution(world.contacts.rule, -rate)
         lost = -0.25 * (1 - left * left) * rate * impulse
@@ -85,11 +86,9 @@ def _spared(world, one, other):
 
 
 @large_kernel
-def _notice_faint(world, body, partner, rate):
-    """Weigh collisions in a row whose approach is lost in the rounding of the velocities it is the difference of."""
-    tally, n = world.tally, len(world.bodies)
-    pair = min(body, partner) * n + max(body, partner)
-    if -rate >= FAINTEST * max(norm(load(world.bodies[body], VELOCITY)), norm(load(world.bodies[partner], VELOCITY))):
+def _notice_faint(tally, a, b, pair, rate):
+    """Weigh collisions in a row whose approach is lost in the rounding of the velocities it is the difference of. pair: a name of it."""
+    if -rate >= FAINTEST * max(norm(load(a, VELOCITY)), norm(load(b, VELOCITY))):
         tally[FAINT] = 0
     else:
         tally[FAINT] += 1 if tally[FAINT] == 0 or pair == tally[FAINT_PAIR] else FAINT_CHANGE
@@ -97,20 +96,19 @@ def _notice_faint(world, body, partner, rate):
 
 
 @large_kernel
-def _rub(world, body, partner, n, contact):
-    """A rough collision: an impulse in any direction. contact: both levers, and the speed at which growing surfaces approach each other."""
-    a, b = world.bodies[body], world.bodies[partner]
-    kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
+def _rub(a, b, kind_a, kind_b, n, contact, rule):
+    """A rough collision: an impulse in any direction. contact: both levers, and the speed at which growing surfaces approach each other.
+    -> its virial and the energy gained, as for `_record`"""
     lever_a, lever_b, growth = contact
     surface_a = add(load(a, VELOCITY), cross(turning(a, kind_a, load(a, MOMENTUM)), lever_a))
     surface_b = add(load(b, VELOCITY), cross(turning(b, kind_b, load(b, MOMENTUM)), lever_b))
     velocity = add_scaled(subtract(surface_b, surface_a), -growth / dot(n, n), n)
     m_a, m_b = _yielding(a, kind_a, lever_a), _yielding(b, kind_b, lever_b)
     matrix = (m_a[0] + m_b[0], m_a[1] + m_b[1], m_a[2] + m_b[2], m_a[3] + m_b[3], m_a[4] + m_b[4], m_a[5] + m_b[5])
-    impulse, lost = rough.impulse(n, velocity, dot(n, rough.times(matrix, n)), matrix, world.contacts.rule[PARAMETERS:])
+    impulse, lost = rough.impulse(n, velocity, dot(n, rough.times(matrix, n)), matrix, rule[PARAMETERS:])
     _kick(a, kind_a, impulse, cross(lever_a, impulse), -1.0)
     _kick(b, kind_b, impulse, cross(lever_b, impulse), 1.0)
-    _record(world, dot(impulse, subtract(lever_a, lever_b)), growth * dot(n, impulse) - lost)
+    return dot(impulse, subtract(lever_a, lever_b)), growth * dot(n, impulse) - lost
 
 
 @kernel

@@ -240,17 +240,23 @@ def reschedule_all(world):
 
 
 @kernel
-def rebuild_all(world):
-    """Every list anew. -> DONE or why it could not be."""
+def forget_lists(world):
+    """Empty every list."""
     world.clock[REACH_SIZE] = 0.0
     advance_all(world.bodies, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):
         world.lists.spans[body, COUNT] = 0
         world.anchors[body, ANCHOR_POSITION] = inf
+
+
+@kernel
+def make_lists(world):
+    """The lists of all bodies that have none. -> DONE, or why it could not be: asked again, it goes on from there."""
     for body in range(len(world.bodies)):
-        status = rebuild(world, body)
-        if status != DONE:
-            return status
+        if world.anchors[body, ANCHOR_POSITION] == inf:
+            status = rebuild(world, body)
+            if status != DONE:
+                return status
     return DONE
 
 
@@ -262,7 +268,8 @@ def set_growth(world, growth):
     clock[GROWTH] = growth
     if growth != 0:
         clock[HORIZON] = min(clock[HORIZON], GROWTH_HORIZON * size_now(clock) / abs(growth))
-    status = rebuild_all(world)
+    forget_lists(world)
+    status = make_lists(world)
     if status == DONE:
         predict_all(world)
     return status

@@ -1,24 +1,33 @@
 """Bring a body up to date: straight flight, and rotation of its shape."""
 
+from typing import NamedTuple
+
 from ccd.compiling import kernel, large_kernel
+from ccd.first_contact import support_course
 from ccd.free_top import angular_acceleration, angular_velocity, fastest_turning, turn_freely
 from ccd.precession import NO_AXIS
+from ccd.revolution import course_of_axis, facing_of_axis, shape_of_axis, turning_axis
 from ccd.rotation import body_axes, load_quaternion, turn
-from ccd.separation import semi_axis_vectors
-from ccd.vectors import add_scaled, cross, load, norm, scale, store
+from ccd.separation import semi_axis_vectors, shape_matrix
+from ccd.turning_plane import facing
+from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store
 from edmd.state import (
     ACROSS,
+    ACROSS_SQUARE,
+    ALONG_SQUARE,
     AXIS,
     BEND,
     BENDING,
     FASTEST,
     FREE,
+    GENERAL,
     INVERSE_MOMENTS,
     KIND,
     LARGEST,
     MOMENTUM,
     MOTION,
     ORIENTATION,
+    POLE,
     POSITION,
     SEMI_AXES,
     SPREAD,
@@ -88,42 +97,30 @@ def _set_free_turning(row, turn, kind):
 
 
 @kernel
-def turning_ahead(row, turn, kind, q):
-    """How the shape will turn from the orientation q on, as `support_course` takes it."""
-    if kind[MOTION] == FREE:
-        spin, acceleration = _free_turning(q, load(row, MOMENTUM), load(kind, INVERSE_MOMENTS))
-        return spin, acceleration, turn[BEND], turn[SWERVE], 0.0
-    return scale(kind[ACROSS], load(row, MOMENTUM)), (0.0, 0.0, 0.0), turn[BEND], 0.0, 1.0
-
-
-@large_kernel
-def _free_turning(q, momentum, inverse_moments):
-    return angular_velocity(q, momentum, inverse_moments), angular_acceleration(q, momentum, inverse_moments)
-
-
-@kernel
 def _swing(row, kind, spin):
     """How fast the axis of a shape that turns steadily moves, a constant, eq. (7e); without an axis, how fast it turns."""
     axis = int(kind[AXIS])
     return norm(spin if axis >= NO_AXIS else cross(spin, scale(1.0 / kind[SEMI_AXES + axis], load(row, VECTORS + 3 * axis))))
 
 
-@large_kernel
-def turned_by(row, kind, time):
-    """Orientation and semi-axis vectors of a body so much later than its row has them."""
-    q = load_quaternion(row, ORIENTATION)
-    if time == 0.0 or kind[MOTION] == STILL:
-        return q, load_vectors(row, VECTORS)
+@kernel
+def _turned(row, kind, time):
+    """How a shape stands so much later than its row has it: orientation, semi-axis vectors, angular velocity and acceleration."""
+    q, momentum = load_quaternion(row, ORIENTATION), load(row, MOMENTUM)
     if kind[MOTION] == FREE:
-        q = _turned_freely(q, load(row, MOMENTUM), load(kind, INVERSE_MOMENTS), time)
+        q, spin, acceleration = _turned_freely(q, momentum, load(kind, INVERSE_MOMENTS), time)
     else:
-        q = turn(q, scale(kind[ACROSS], load(row, MOMENTUM)), time)
-    return q, _vectors(kind, q)
+        spin, acceleration = scale(kind[ACROSS], momentum), (0.0, 0.0, 0.0)
+        if time != 0.0:
+            q = turn(q, spin, time)
+    return q, load_vectors(row, VECTORS) if time == 0.0 else _vectors(kind, q), spin, acceleration
 
 
 @large_kernel
 def _turned_freely(q, momentum, inverse_moments, time):
-    return turn_freely(q, momentum, inverse_moments, time)
+    if time != 0.0:
+        q = turn_freely(q, momentum, inverse_moments, time)
+    return q, angular_velocity(q, momentum, inverse_moments), angular_acceleration(q, momentum, inverse_moments)
 
 
 @kernel
@@ -131,12 +128,57 @@ def _vectors(kind, q):
     return semi_axis_vectors(load(kind, SEMI_AXES), body_axes(q))
 
 
+class Flight(NamedTuple):
+    """What the bounds need of a body at some time, in registers."""
+
+    position: tuple
+    velocity: tuple
+    axial: bool             # whether a body of revolution goes by its axis alone
+    vectors: tuple          # semi-axis vectors; of an axial body (u, u', u'') of its axis
+    turning: tuple          # see `support_course`; of an axial body squares take the place of the acceleration: across, along, |w|^2
+
+
 @kernel
 def flight_of(world, body, time):
-    """What the bounds need of a body at some time, in registers: position, velocity, turning, semi-axis vectors. It stays where it is."""
+    """A body as it is at some time. It stays where it is."""
     row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
-    q, vectors = turned_by(row, kind, time - row[TIME])
-    return position_at(row, time), load(row, VELOCITY), turning_ahead(row, world.turns[body], kind, q), vectors
+    position, velocity = position_at(row, time), load(row, VELOCITY)
+    if kind[POLE] != GENERAL:
+        pole, spin = int(kind[POLE]), scale(kind[ACROSS], load(row, MOMENTUM))
+        square = dot(spin, spin)
+        axis = turning_axis(scale(1.0 / kind[SEMI_AXES + pole], load(row, VECTORS + 3 * pole)), spin, square, time - row[TIME])
+        squares = kind[ACROSS_SQUARE], kind[ALONG_SQUARE], square
+        return Flight(position, velocity, True, axis, (spin, squares, world.turns[body, BEND], 0.0, 1.0))
+    turn, (_, vectors, spin, acceleration) = world.turns[body], _turned(row, kind, time - row[TIME])
+    swerve, steady = (turn[SWERVE], 0.0) if kind[MOTION] == FREE else (0.0, 1.0)
+    return Flight(position, velocity, False, vectors, (spin, acceleration, turn[BEND], swerve, steady))
+
+
+@kernel
+def course(flight, n):
+    """How the support in direction n goes on (`support_course`)."""
+    if flight.axial:
+        across, along, square = flight.turning[1]
+        return course_of_axis(flight.vectors, across, along, square, flight.turning[2], n)
+    return support_course(flight.vectors, flight.turning, n)
+
+
+@kernel
+def face_of(flight, size, growth, n):
+    """How the body stands to a direction (`facing`)."""
+    if flight.axial:
+        across, along, _ = flight.turning[1]
+        return facing_of_axis(flight.vectors[0], across, along, (size, flight.turning[0], growth), n)
+    return facing(flight.vectors, (size, flight.turning[0], growth), n)
+
+
+@kernel
+def shape_of(flight):
+    """Its shape matrix."""
+    if flight.axial:
+        across, along, _ = flight.turning[1]
+        return shape_of_axis(flight.vectors[0], across, along)
+    return shape_matrix(flight.vectors)
 
 
 @kernel
@@ -150,7 +192,7 @@ def advance(row, kind, now):
 
 @kernel
 def _advance_shape(row, kind, now):
-    q, vectors = turned_by(row, kind, now - row[TIME])
+    q, vectors, _, _ = _turned(row, kind, now - row[TIME])
     row[ORIENTATION] = q[0]
     store(row, ORIENTATION + 1, (q[1], q[2], q[3]))
     store_vectors(row, VECTORS, vectors)

@@ -5,7 +5,7 @@ ESCAPE_TIME. Two bodies are neighbours when the gap between their anchors is bel
 can be touched before the escape. One body at a time is looked at again, and the predictions of the pairs that stay are kept.
 """
 
-from math import asin, inf, sqrt
+from math import inf, pi, sqrt
 
 from ccd.compiling import kernel, large_kernel
 from ccd.precession import NO_AXIS
@@ -67,15 +67,15 @@ DONE, NO_ROOM, CELL_TOO_SMALL = -1, int(Ended.NO_ROOM), int(Ended.CELL_TOO_SMALL
 
 @kernel
 def turned(row, kind, anchor):
-    """The angle by which a shape has turned since its anchor: for a body of revolution that of its axis."""
+    """A shape has turned by no more since its anchor, and by 2 % less at 0.4 rad; of a body of revolution its axis counts."""
     over, axis = 1.0 / anchor[ANCHOR_SIZE], int(kind[AXIS])
     square = 0.0
     for k in range(3):
         if k == axis or axis == NO_AXIS:
             moved = subtract(load(row, VECTORS + 3 * k), scale(over, load(anchor, ANCHOR_VECTORS + 3 * k)))
             square += dot(moved, moved) / (kind[SEMI_AXES + k] * kind[SEMI_AXES + k])
-    chord = sqrt(0.5 * square if axis == NO_AXIS else square)
-    return 2 * asin(min(0.5 * chord, 1.0))
+    half = min(0.5 * sqrt(0.5 * square if axis == NO_AXIS else square), 1.0)
+    return 2 * half * (1 + (pi / 2 - 1) * half * half)            # asin(x) <= x + (pi / 2 - 1) x^3
 
 
 @kernel
@@ -146,7 +146,7 @@ def _anchor(world, body):
     row, kind, anchor, grid = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], world.grid
     a, b, c = image_of(load(row, POSITION), grid.inverse)
     if a != 0 or b != 0 or c != 0:
-        _wrap(world, body, (a, b, c))
+        _wrap(world.lists, world.image, grid.box, row, body, (a, b, c))
     size = size_now(world.clock)
     store(anchor, ANCHOR_POSITION, load(row, POSITION))
     for k in range(9):
@@ -159,13 +159,12 @@ def _anchor(world, body):
 
 
 @large_kernel
-def _wrap(world, body, image):
+def _wrap(lists, images, box, row, body, image):
     """Move a body back by so many cell vectors; its neighbours stand in other images then, and their sides of the gaps with them."""
-    row, lists, box = world.bodies[body], world.lists, world.grid.box
     store(row, POSITION, displaced(load(row, POSITION), box, -image[0], -image[1], -image[2]))
     begin = int(lists.spans[body, BEGIN])
     for k in range(3):
-        world.image[body, k] += image[k]
+        images[body, k] += image[k]
     back = displaced((0.0, 0.0, 0.0), box, -image[0], -image[1], -image[2])
     for entry in range(begin, begin + int(lists.spans[body, COUNT])):
         twin = lists.links[entry, TWIN]
@@ -266,16 +265,15 @@ def _sift(world, body, found, one_image):
             if listed:
                 if other == body:
                     return CELL_TOO_SMALL
-                if not (_has_room(world, body) and _has_room(world, other)):
+                if not (_has_room(world.lists, world.tally, body) and _has_room(world.lists, world.tally, other)):
                     return NO_ROOM
                 _add(world, body, other, (i, j, m), n)
     return DONE
 
 
 @large_kernel
-def _has_room(world, body):
+def _has_room(lists, tally, body):
     """Whether the list can take one more; a full one is moved to the end of the entries, with more room, if there is some."""
-    lists, tally = world.lists, world.tally
     span = lists.spans[body]
     if span[COUNT] < span[ROOM]:
         return True
@@ -295,6 +293,21 @@ def _move(lists, source, target):
     for k in range(ENTRY_ROW):
         lists.numbers[target, k] = lists.numbers[source, k]
     lists.links[lists.links[target, TWIN], TWIN] = target
+
+
+@kernel
+def copy_entries(old, new, moved):
+    """Copy every list to where `new` has it; twins follow. moved: int32 (old entries,), where each goes, to be filled."""
+    for body in range(len(old.spans)):
+        source, target = int(old.spans[body, BEGIN]), int(new.spans[body, BEGIN])
+        for slot in range(int(old.spans[body, COUNT])):
+            moved[source + slot] = target + slot
+    for body in range(len(old.spans)):
+        source, target = int(old.spans[body, BEGIN]), int(new.spans[body, BEGIN])
+        for slot in range(int(old.spans[body, COUNT])):
+            for k in range(ENTRY_ROW):
+                new.numbers[target + slot, k] = old.numbers[source + slot, k]
+            new.links[target + slot, TWIN] = moved[old.links[source + slot, TWIN]]
 
 
 @kernel

@@ -10,10 +10,10 @@ from math import inf, sqrt
 import numpy as np
 
 from ccd.compiling import kernel
-from ccd.first_contact import bend_until, grown, holding_time, support_course
+from ccd.first_contact import bend_until, grown, holding_time
 from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced
-from edmd.flight import kind_of, position_at
+from edmd.flight import course, kind_of, position_at
 from edmd.state import (
     EVENT,
     GROWTH,
@@ -49,7 +49,7 @@ def size_at(clock, time):
 @kernel
 def courses(a, b, n):
     """How the supports of two flights in direction n go on (`support_course`)."""
-    return support_course(a[3], a[2], n), support_course(b[3], b[2], n)
+    return course(a, n), course(b, n)
 
 
 @kernel

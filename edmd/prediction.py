@@ -3,12 +3,13 @@
 from math import inf
 
 from ccd.compiling import kernel, large_kernel
-from ccd.first_contact import grown, support_motion
+from ccd.first_contact import support_course
+from ccd.revolution import course_of_axis
 from ccd.vectors import dot, norm, subtract
 from edmd.calendar import schedule
 from edmd.events import EventKind
 from edmd.flight import flight_of, kind_of, set_turning
-from edmd.pairs import ball_now, direction_of, held, hold_until, imaged, is_sphere, meeting, size_now, within
+from edmd.pairs import ball_now, direction_of, held, hold_until, imaged, is_sphere, meeting, size_now, support_until, within
 from edmd.prefetch import fetch, fetch_body
 from edmd.state import (
     BEGIN,
@@ -76,15 +77,14 @@ def _predict_balls(world, body, entries, own):
         span = column[SPANS + entry - begin]
         hold_until(world, entry, now + span)
         if not is_sphere(world, int(lists.links[entry, PARTNER])):
-            _tell_side(world, entry, own)
+            n = direction_of(lists, entry)
+            _tell_side(lists.numbers[lists.links[entry, TWIN]], clock, n, dot(n, imaged(world, entry, (0.0, 0.0, 0.0))), own)
             _watch_anew(world, entry)
 
 
 @large_kernel
-def _tell_side(world, entry, own):
+def _tell_side(number, clock, n, there, own):
     """Write a sphere's side of the plane into the list of a neighbour that is none."""
-    lists, clock, n = world.lists, world.clock, direction_of(world.lists, entry)
-    number, there = lists.numbers[lists.links[entry, TWIN]], dot(n, imaged(world, entry, (0.0, 0.0, 0.0)))
     reach = own[2] * norm(n)
     number[SIDE] = there - dot(n, own[0]) - size_now(clock) * reach
     number[SIDE_RATE], number[SIDE_BEND], number[SINCE] = -dot(n, own[1]) - clock[GROWTH] * reach, 0.0, clock[NOW]
@@ -130,17 +130,31 @@ def _predict_block(world, entries, own):
 @kernel
 def _bound_columns(column, size, own, growing):
     """How long the planes hold; the body's own sides take the place of its neighbours'. own: up to date."""
-    position, velocity, turning, vectors = own
-    factor, growth, horizon, rounding = growing
-    for k in range(size):
-        n = (column[NORMALS + k], column[NORMALS + BLOCK + k], column[NORMALS + 2 * BLOCK + k])
-        height, rising, bending = grown(support_motion(vectors, turning, n, horizon), factor, growth, horizon)
-        top, top_rate, age = dot(n, position) + height, dot(n, velocity) + rising, column[AGES + k]
-        rate = column[RATES + k] - age * column[BENDS + k]
-        gap = column[SIDES + k] + 0.5 * age * (column[RATES + k] + rate) - top
-        bend = column[BENDS + k] + bending
-        column[SPANS + k] = within(0.5 * horizon, held(gap, rate - top_rate, bend, (height, rounding)), bend)
-        column[SIDES + k], column[RATES + k], column[BENDS + k] = top, top_rate, bending
+    if own.axial:
+        across, along, square = own.turning[1]
+        for k in range(size):
+            _bound(column, k, own, course_of_axis(own.vectors, across, along, square, own.turning[2], _direction(column, k)), growing)
+    else:
+        for k in range(size):
+            _bound(column, k, own, support_course(own.vectors, own.turning, _direction(column, k)), growing)
+
+
+@kernel
+def _direction(column, k):
+    return column[NORMALS + k], column[NORMALS + BLOCK + k], column[NORMALS + 2 * BLOCK + k]
+
+
+@kernel
+def _bound(column, k, own, course, growing):
+    """How long the plane of one column holds. course: of the body's support in its direction."""
+    n, age, (factor, growth, horizon, rounding) = _direction(column, k), column[AGES + k], growing
+    height, rising, bending = support_until(course, factor, growth, horizon)
+    top, top_rate = dot(n, own.position) + height, dot(n, own.velocity) + rising
+    rate = column[RATES + k] - age * column[BENDS + k]
+    gap = column[SIDES + k] + 0.5 * age * (column[RATES + k] + rate) - top
+    bend = column[BENDS + k] + bending
+    column[SPANS + k] = within(0.5 * horizon, held(gap, rate - top_rate, bend, (height, rounding)), bend)
+    column[SIDES + k], column[RATES + k], column[BENDS + k] = top, top_rate, bending
 
 
 @kernel

@@ -22,10 +22,13 @@ TURN_ROW = 8
 # kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; ACROSS: the
 # inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
 # UNEQUAL: largest difference of two moments over the third; DEGREES: of rotation that collisions exchange, 0, 2 or 3;
-# LEVEL: see Cells
+# LEVEL: see Cells; POLE: which semi-axis vector tells the shape of a body of revolution, if its motion is not FREE, else GENERAL;
+# ACROSS_SQUARE, ALONG_SQUARE: of the semi-axes
 SEMI_AXES, INVERSE_MASS, INVERSE_MOMENTS, AXIS, ACROSS, SPREAD, LARGEST, BENDING, MARGIN_LENGTH = 0, 3, 4, 7, 8, 9, 10, 11, 12
 MOTION, UNEQUAL, DEGREES, LEVEL = 13, 14, 15, 16
+POLE, ACROSS_SQUARE, ALONG_SQUARE = 17, 18, 19
 KIND_ROW = 24
+GENERAL = -1
 
 # motions: how a shape moves in free flight: not at all, at the constant rate L / I_perp (eq. (12)), or as a free top (eq. (12b))
 STILL, STEADY, FREE = 0, 1, 2

@@ -2,13 +2,13 @@
 
 from math import inf, sqrt
 
-from ccd.compiling import kernel, large_kernel
+from ccd.compiling import kernel
 from ccd.first_contact import holding_time
-from ccd.separation import best_plane, support
+from ccd.separation import best_plane_of
 from ccd.tolerances import EXACT, TOUCHING
-from ccd.turning_plane import facing, following
+from ccd.turning_plane import following, times
 from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, store, subtract
-from edmd.flight import flight_of
+from edmd.flight import face_of, flight_of, shape_of
 from edmd.pairs import (
     ball_now,
     courses,
@@ -87,7 +87,7 @@ def _shoot(world, entry, body, partner):
             close = gap <= touch or time + span == time
             if (gap >= 0.0 and not close) or (best and (gap >= 0.0 or lead == 0.0)):
                 break                                   # else, aimed ahead, it cuts into the bodies now, or two that touch need the best
-        stiff = bend + 2 * (size * (own[2][2] + other[2][2]) + abs(growth) * (abs(seen[0][1]) + abs(seen[1][1])))
+        stiff = bend + 2 * (size * (own.turning[2] + other.turning[2]) + abs(growth) * (abs(seen[0][1]) + abs(seen[1][1])))
         if rate < 0 and best and not recorded and (close or stiff * span * span <= touch):      # that bounds the gap at the end of the span
             time += 0.0 if close else span
             turn, world.calendar.met[body] = world.turns[body], image_code(world, entry)
@@ -102,7 +102,7 @@ def _shoot(world, entry, body, partner):
     return time
 
 
-@large_kernel
+@kernel
 def _aimed(own, other, r, n, scales):
     """Newton's method from n to the direction that is best when the bodies come together; just before that, to one near enough.
 
@@ -127,8 +127,8 @@ def tilted(own, other, r, n, scales):
     scales: as for `_aimed`. -> direction, squared angle from n, time until that should be, gap over the sum of the supports or UNKNOWN.
     """
     size, growth, horizon, _ = scales
-    spin_a, spin_b = own[2][0], other[2][0]
-    face_a, face_b = facing(own[3], (size, spin_a, growth), n), facing(other[3], (size, spin_b, growth), n)
+    spin_a, spin_b = own.turning[0], other.turning[0]
+    face_a, face_b = face_of(own, size, growth, n), face_of(other, size, growth, n)
     v, supports = subtract(other[1], own[1]), size * (face_a[0] + face_b[0])
     rate = (dot(n, v) - size * (dot(face_a[1], cross(n, spin_a)) + dot(face_b[1], cross(n, spin_b))) - growth * (face_a[0] + face_b[0]))
     gap = dot(n, r) - supports
@@ -149,6 +149,7 @@ def _plane(own, other, r, n):
 
     (1 - lambda) h_A = lambda h_B at the maximiser, by eq. (2): the direction says where to start.
     """
-    h_a, h_b = support(own[3], n), support(other[3], n)
-    n, _, converged = best_plane(own[3], other[3], r, h_a / (h_a + h_b), EXACT)
+    a, b = shape_of(own), shape_of(other)
+    h_a, h_b = sqrt(dot(times(a, n), n)), sqrt(dot(times(b, n), n))
+    n, _, converged = best_plane_of(a, b, r, h_a / (h_a + h_b), EXACT)
     return n, converged

@@ -9,6 +9,7 @@ from edmd.building import _calendar, flattened, with_room
 from edmd.calendar import schedule
 from edmd.engine import advance_events
 from edmd.events import Ended
+from edmd.tolerances import FETCHED_AHEAD
 
 
 def melted(n):
@@ -49,3 +50,28 @@ def test_asking_changes_nothing(compiled):
             (ask if compiled else ask.py_func)(world, body)
     for name, array in flattened(world):
         np.testing.assert_array_equal(array, before[name])
+
+
+@pytest.mark.parametrize(("semi_axes", "rule"), [((1, 1, 1), "elastic"), ((1, 1, 2), "elastic"), ((1, 1.25, 1.5625), "elastic"),
+                                                 ((1, 1, 2), edmd.Rough(0.9, 0.5))])
+def test_a_large_system_of_copies_goes_as_the_small_one(semi_axes, rule):
+    """Eight periodic copies of a system that is too small to ask ahead are large enough: each moves as the small one does, as long as
+    rounding has not grown; the same bodies collide, eight times as often."""
+    rng, edge, spacing = np.random.default_rng(1), 11, 2.4 * max(semi_axes)**0.5
+    n, box = edge**3, edge * spacing * np.array([1, 1, max(semi_axes)**0.5])
+    assert n < FETCHED_AHEAD <= 8 * n
+    positions = (np.indices((edge,) * 3).reshape(3, n).T + 0.5) / edge * box
+    orientations, motion = np.tile([1.0, 0, 0, 0], (n, 1)), rng.normal(size=(n, 6))
+    shifts = np.indices((2, 2, 2)).reshape(3, 8).T * box
+    ends = []
+    for copies, cell, count in ((shifts[:1], box, 1), (shifts, 2 * box, 8)):
+        system = edmd.System((copies[:, None] + positions).reshape(-1, 3), np.tile(orientations, (count, 1)), semi_axes, cell,
+                             np.tile(motion[:, :3], (count, 1)), np.tile(motion[:, 3:], (count, 1)))
+        ends.append(edmd.Simulation(system, rule=rule).run(time=1.0))
+    small, large = ends
+    assert small.collisions > n / 4
+    assert large.collisions == 8 * small.collisions
+    moved = large.system.positions.reshape(8, n, 3) - shifts[:, None] - small.system.positions
+    assert abs(moved - np.rint(moved / box) * box).max() < 1e-9
+    turning, expected = large.system.angular_velocities.reshape(8, n, 3), small.system.angular_velocities
+    assert abs(turning - expected).max() < 1e-9

@@ -5,15 +5,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import edmd
-from ccd.first_contact import support_motion
-from edmd.flight import load_quaternion, load_vectors, turning_ahead
-from edmd.state import EVENTS, FASTEST, KIND, ORIENTATION, SPREAD, VECTORS
+from edmd.flight import course, flight_of
+from edmd.pairs import support_until
+from edmd.state import BEND, EVENTS, FASTEST, GENERAL, KIND, POLE, SPREAD
 
 TIMES = np.linspace(0, 8.0, 4001)           # of a body that turns once a radian
 
 
 def turning_body(semi_axes, tilt, rate=1.0):
-    """Row, turn and kind of a body of revolution whose shape turns at this rate about a direction at this angle from its axis; its axis."""
+    """World of a body of revolution whose shape turns at this rate about a direction at this angle from its axis; its axis, and that."""
     axis = next(k for k in range(3) if semi_axes[k - 1] == semi_axes[k - 2])
     u = np.eye(3)[axis]
     about = np.cos(tilt) * u + np.sin(tilt) * np.eye(3)[axis - 1]
@@ -21,8 +21,7 @@ def turning_body(semi_axes, tilt, rate=1.0):
     across, along = body.moments[0, axis - 1], body.moments[0, axis]
     spin = rate * (about + (across / along - 1) * (about @ u) * u)                  # so that L / I_perp = rate * about
     body.angular_velocities[:] = spin
-    world = edmd.Simulation(body)._world
-    return world.bodies[0], world.turns[0], world.kinds[int(world.bodies[0, KIND])], u, about
+    return edmd.Simulation(body)._world, u, about
 
 
 def supports(semi_axes, u, about, n, rate=1.0):
@@ -35,19 +34,23 @@ SHAPES = [(1, 1, 2.0), (3, 0.5, 0.5), (1, 0.4, 1), (1, 1, 0.1), (1, 1, 1.05)]
 TILTS = [0.0, 1e-9, 1e-4, 0.03, 0.4, np.pi / 4, 1.2, np.pi / 2, 2.8, np.pi]
 
 
+@pytest.mark.parametrize("by", ["axis", "semi-axis vectors"])
 @pytest.mark.parametrize("tilt", TILTS)
 @pytest.mark.parametrize("semi_axes", SHAPES)
-def test_a_support_stays_below_its_parabola(semi_axes, tilt):
+def test_a_support_stays_below_its_parabola(semi_axes, tilt, by):
     """Up to a short and to a long reach: the local bound of the third order, and the one for all time."""
-    row, turn, kind, u, about = turning_body(semi_axes, tilt)
-    ahead, vectors = turning_ahead(row, turn, kind, load_quaternion(row, ORIENTATION)), load_vectors(row, VECTORS)
+    world, u, about = turning_body(semi_axes, tilt)
+    if by != "axis":
+        world.kinds[:, POLE] = GENERAL
+    flight = flight_of(world, 0, 0.0)
+    assert flight.axial == (by == "axis")
     n = np.random.default_rng(4).normal(size=(40, 3))
     n /= np.linalg.norm(n, axis=1)[:, None]
     h = supports(semi_axes, u, about, n)
     for reach in (0.05, 0.5, 8.0):
         within = reach >= TIMES
         for k, direction in enumerate(n):
-            value, rate, bend = support_motion(vectors, ahead, tuple(direction.tolist()), reach)
+            value, rate, bend = support_until(course(flight, tuple(direction.tolist())), 1.0, 0.0, reach)
             time = TIMES[within]
             assert (h[k, within] <= value + rate * time + 0.5 * bend * time**2 + 1e-13).all()
 
@@ -56,12 +59,12 @@ def test_a_support_stays_below_its_parabola(semi_axes, tilt):
 @pytest.mark.parametrize("semi_axes", SHAPES)
 def test_the_bound_for_all_time_is_that_of_eq_7e(semi_axes, tilt):
     """The largest second derivative of h^2 / 2 over all directions is the one of a matrix; the bound is it, or of prolate bodies more."""
-    row, turn, kind, u, about = turning_body(semi_axes, tilt)
+    world, u, about = turning_body(semi_axes, tilt)
     a2 = np.array(semi_axes)**2
     w = np.array([[0, -about[2], about[1]], [about[2], 0, -about[0]], [-about[1], about[0], 0]])
     turned = w @ np.diag(a2) - np.diag(a2) @ w
     most = np.linalg.eigvalsh(w @ turned - turned @ w)[-1] / 2
-    bound = turning_ahead(row, turn, kind, load_quaternion(row, ORIENTATION))[2] * min(semi_axes)
+    bound = world.turns[0, BEND] * min(semi_axes)
     assert bound >= most * (1 - 1e-12)
     s = np.sin(tilt)
     if abs(u) @ semi_axes < max(semi_axes):
@@ -73,7 +76,8 @@ def test_the_bound_for_all_time_is_that_of_eq_7e(semi_axes, tilt):
 @pytest.mark.parametrize("semi_axes", SHAPES)
 def test_no_support_changes_faster_than_the_axis_moves(semi_axes, tilt):
     """Eq. (6) with the speed of the axis in place of the whole turning."""
-    _, turn, kind, u, about = turning_body(semi_axes, tilt)
+    world, u, about = turning_body(semi_axes, tilt)
+    turn, kind = world.turns[0], world.kinds[int(world.bodies[0, KIND])]
     n = np.random.default_rng(5).normal(size=(200, 3))
     n /= np.linalg.norm(n, axis=1)[:, None]
     h = supports(semi_axes, u, about, n)

@@ -8,13 +8,14 @@ from scipy.spatial.transform import Rotation
 
 import ccd
 import edmd
+from edmd.flight import Flight
 from edmd.watching import tilted
 
 
 def flight(body, velocity, spin):
     """A flight as the engine has it, of a steadily turning body."""
     vectors = tuple(tuple(v) for v in body.semi_axis_vectors.T)
-    return tuple(body.center), tuple(velocity), (tuple(spin), (0.0, 0.0, 0.0), 0.0, 0.0, 1.0), vectors
+    return Flight(tuple(body.center), tuple(velocity), False, vectors, (tuple(spin), (0.0, 0.0, 0.0), 0.0, 0.0, 1.0))
 
 
 def moved(body, velocity, spin, time):

@@ -74,10 +74,10 @@ def copied(tmp_path):
 def cache_name(copied, monkeypatch, package="edmd"):
     """The cache folder that a fresh process with these sources would use."""
     monkeypatch.setenv("EDMD_CACHE_DIR", str(copied.parent / "cache"))
-    spec = importlib.util.spec_from_file_location("compiling_of_the_copy", copied / "ccd" / "compiling.py")
-    compiling = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(compiling)
-    return compiling.cache_folder(package)
+    spec = importlib.util.spec_from_file_location("cache_of_the_copy", copied / "ccd" / "code_cache.py")
+    code_cache = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(code_cache)
+    return code_cache.cache_folder(package)
 
 
 def edit(path):
@@ -162,7 +162,7 @@ strided = edmd.System(np.asfortranarray(system.positions), np.repeat(system.orie
 strided.velocities.flags.writeable = False
 edmd.Simulation(strided).run(collisions=50)
 from edmd import engine, epoch
-called_from_python = [engine.advance_events, epoch.start_epoch, epoch.kinetic_energy, epoch.rescale, epoch.rebuild_all,
+called_from_python = [engine.advance_events, epoch.start_epoch, epoch.kinetic_energy, epoch.rescale, epoch.forget_lists, epoch.make_lists,
                       epoch.reschedule_all, epoch.set_growth]
 print(json.dumps({kernel.__name__: len(kernel.signatures) for kernel in called_from_python}))
 """)
