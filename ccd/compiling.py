@@ -1,11 +1,15 @@
 """The decorators of compiled code, and how: to little machine code, for which the engine waits longer than for arithmetic."""
 
+import functools
+import os
+
 import llvmlite.binding
 import numba
 from numba.core import ir, types
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import FunctionPass, register_pass
 from numba.core.lowering import Lower
+from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering, NopythonTypeInference
 from numba.core.types.containers import BaseTuple
 
@@ -81,32 +85,52 @@ def _unroll(copies, threshold):
         llvmlite.binding.set_option("ccd", option)
 
 
+OPTIONS = {"nogil": True, "error_model": "numpy", "_nrt": False, "pipeline_class": KernelCompiler, "no_cfunc_wrapper": True}
+
+
+class Kernel(CPUDispatcher):
+    """Compiled code as other compiled code calls it. What Python calls as well is compiled for it, on the first call: taking arguments from
+    Python is more code than most kernels are."""
+
+    @functools.cached_property
+    def entry(self):
+        return _compile(self.py_func, "called from Python", **OPTIONS, forceinline=False, no_cpython_wrapper=False)
+
+    def __call__(self, *arguments):
+        return self.entry(*arguments)
+
+
 def kernel(function):
     """Compile with numba: cached on disk, free of the interpreter lock, division as in numpy, never fastmath (inf means "no event").
 
     A kernel allocates nothing and counts no references: one that returns a view of an array is called by kernels only.
     """
-    return _compile(function, nogil=True, error_model="numpy", _nrt=False, pipeline_class=KernelCompiler, forceinline=True)
+    return _inner(function, forceinline=True)
 
 
 def large_kernel(function):
     """`kernel` that is not copied to wherever it is called: one long and wanted in several places, or wanted rarely. With few arguments:
     a World is more than two hundred."""
-    return _compile(function, nogil=True, error_model="numpy", _nrt=False, pipeline_class=KernelCompiler,
-                    forceinline=False)                                  # said, since an option not set is that of whoever compiles first
+    return _inner(function, forceinline=False)              # said, since an option not set is that of whoever compiles first
+
+
+def _inner(function, forceinline):
+    compiled = _compile(function, "", **OPTIONS, forceinline=forceinline, no_cpython_wrapper=True)
+    compiled.__class__ = Kernel
+    return compiled
 
 
 def parallel_kernel(function):
-    """`kernel` whose prange loops run on all cores. The results do not depend on how many there are."""
-    return _compile(function, nogil=True, error_model="numpy", parallel=True)
+    """`kernel` whose prange loops run on all cores, called from Python. The results do not depend on how many there are."""
+    return _compile(function, "", nogil=True, error_model="numpy", parallel=True)
 
 
-def _compile(function, **options):
+def _compile(function, room, **options):
     folder = cache_folder(function.__module__.split(".")[0])
     if folder is None:
         return numba.njit(**options)(function)
     before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = folder
+    numba.config.CACHE_DIR = os.path.join(folder, room)
     try:
         return numba.njit(cache=True, **options)(function)
     finally:

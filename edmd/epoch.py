@@ -4,7 +4,7 @@
 
 from math import inf, sqrt
 
-from ccd.compiling import kernel
+from ccd.compiling import kernel, large_kernel
 from ccd.vectors import add_scaled, dot, load, scale, store, subtract
 from edmd.flight import advance_all, kind_of, set_turning, turning
 from edmd.neighbors import DONE, rebuild, set_escape
@@ -214,7 +214,7 @@ def set_velocities(world, velocities, momenta):
     predict_all(world)
 
 
-@kernel
+@large_kernel
 def predict_all(world):
     """Every prediction anew, for the velocities and the growth of now."""
     world.clock[ENERGY_TIME] += world.clock[ENERGY] * (world.clock[NOW] - world.clock[ENERGY_SINCE])

@@ -164,7 +164,7 @@ edmd.Simulation(strided).run(collisions=50)
 from edmd import engine, epoch
 called_from_python = [engine.advance_events, epoch.start_epoch, epoch.kinetic_energy, epoch.rescale, epoch.forget_lists, epoch.make_lists,
                       epoch.reschedule_all, epoch.set_growth]
-print(json.dumps({kernel.__name__: len(kernel.signatures) for kernel in called_from_python}))
+print(json.dumps({kernel.__name__: len(kernel.entry.signatures) for kernel in called_from_python}))
 """)
     assert done.returncode == 0, done.stderr
     counts = json.loads(done.stdout)
