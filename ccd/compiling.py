@@ -116,7 +116,8 @@ def large_kernel(function):
 
 def _inner(function, forceinline):
     compiled = _compile(function, "", **OPTIONS, forceinline=forceinline, no_cpython_wrapper=True)
-    compiled.__class__ = Kernel
+    if compiled is not function:                            # which it is with NUMBA_DISABLE_JIT
+        compiled.__class__ = Kernel
     return compiled
 
 

@@ -116,7 +116,7 @@ def imported(path, files):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_every_import_of_a_kernel_file_counts_for_its_cache(package):
-    from ccd.compiling import kernel_sources
+    from ccd.code_cache import kernel_sources
 
     files = {module_name(path): path for path in SOURCES}
     reached = {name for name, path in files.items() if name.startswith(package) and any(
