@@ -24,7 +24,7 @@ def main():
     options.folder.mkdir(exist_ok=True)
     file, picture, plot = (options.folder / name for name in ("packing.h5md", "packing.png", "compression.png"))
 
-    print(f"Packing {options.n} ellipsoids with semi-axes {options.semi_axes} (the first run compiles for half a minute) ...", flush=True)
+    print(f"Packing {options.n} ellipsoids with semi-axes {options.semi_axes} (the first run compiles for a minute or two) ...", flush=True)
     progress = Progress(UNTIL_PRESSURE)
     packing = edmd.pack(options.n, options.semi_axes, options.rate, options.seed, until_pressure=UNTIL_PRESSURE, contact_gap=CONTACT_GAP,
                         output=file, overwrite=True, observers=[progress])
