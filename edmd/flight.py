@@ -1,4 +1,4 @@
-"""Bring a body up to date: straight flight, and rotation of its shape."""
+"""A body in flight: brought up to date where it is stored, or in registers as it is at some time, for those who look at it."""
 
 from typing import NamedTuple
 

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from edmd.observers import Observer
 
 STALL_PATH = "edmd.stalled.npz"
-FORMAT = 4                  # of what `save` writes
+FORMAT = 5                  # of what `save` writes
 
 
 class Course(NamedTuple):
