@@ -67,7 +67,7 @@ DONE, NO_ROOM, CELL_TOO_SMALL = -1, int(Ended.NO_ROOM), int(Ended.CELL_TOO_SMALL
 
 @kernel
 def turned(row, kind, anchor):
-    """A shape has turned by no more since its anchor, and by 2 % less at 0.4 rad; of a body of revolution its axis counts."""
+    """A bound on the angle by which a shape has turned since its anchor, of a body of revolution its axis; 2 % above it at 0.4 rad."""
     over, axis = 1.0 / anchor[ANCHOR_SIZE], int(kind[AXIS])
     square = 0.0
     for k in range(3):

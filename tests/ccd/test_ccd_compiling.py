@@ -1,5 +1,9 @@
 """How kernels are compiled: what is left out of the machine code, and what stays."""
 
+import os
+import subprocess
+import sys
+
 import numba
 import numpy as np
 import pytest
@@ -51,6 +55,14 @@ def test_no_index_is_counted_from_the_end():
     assert usual(ROW, -1) == entry_of(ROW, 4) == 4.0
     assert "select" in code(usual)
     assert "select" not in code(entry_of.entry)
+
+
+def test_where_indices_are_checked_one_below_0_is_refused():
+    """So that the tests which check every index would see one."""
+    script = "from test_ccd_compiling import entry_of, ROW; entry_of(ROW, 4); entry_of(ROW, -1)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
+                          env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "NUMBA_BOUNDSCHECK": "1"})
+    assert done.stderr.strip().splitlines()[-1].startswith("IndexError")
 
 
 def test_a_large_kernel_stays_apart_and_a_small_one_does_not():

@@ -105,4 +105,4 @@ def test_plain_python_gives_the_same_bits(tmp_path):
 
 @pytest.mark.validate
 def test_every_index_is_inside_its_array(tmp_path):
-    np.testing.assert_array_equal(found_in(tmp_path), found_in(tmp_path, NUMBA_BOUNDSCHECK="1"))
+    np.testing.assert_array_equal(found_in(tmp_path), found_in(tmp_path, NUMBA_BOUNDSCHECK="1", EDMD_CACHE_DIR=str(tmp_path)))

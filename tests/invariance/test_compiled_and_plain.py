@@ -34,5 +34,8 @@ def test_plain_python_under_a_rule(rule, tmp_path):
 
 
 @pytest.mark.validate
-def test_every_index_is_inside_its_array(tmp_path):
-    assert np.array_equal(final_state((1.25, 1, 0.8), tmp_path), final_state((1.25, 1, 0.8), tmp_path, NUMBA_BOUNDSCHECK="1"))
+@pytest.mark.parametrize("axes", [(1, 1, 1), (1, 1, 1.5), (1.25, 1, 0.8)])
+def test_every_index_is_inside_its_array(axes, tmp_path):
+    """In a cache of its own: numba takes compiled code from a cache whether its indices are checked or not."""
+    checked = final_state(axes, tmp_path, NUMBA_BOUNDSCHECK="1", EDMD_CACHE_DIR=str(tmp_path))
+    assert np.array_equal(final_state(axes, tmp_path), checked)
