@@ -193,10 +193,16 @@ def normal(a, b, r, x):
     At the maximiser it is the normal, from A to B, of the bodies scaled until they touch.
     """
     y = 1 - x
-    m = _adjugate((y * a[0] + x * b[0], y * a[1] + x * b[1], y * a[2] + x * b[2],
-                   y * a[3] + x * b[3], y * a[4] + x * b[4], y * a[5] + x * b[5]))
-    n = (m[0] * r[0] + m[3] * r[1] + m[4] * r[2], m[3] * r[0] + m[1] * r[1] + m[5] * r[2], m[4] * r[0] + m[5] * r[1] + m[2] * r[2])
+    n = adjugate_times((y * a[0] + x * b[0], y * a[1] + x * b[1], y * a[2] + x * b[2],
+                        y * a[3] + x * b[3], y * a[4] + x * b[4], y * a[5] + x * b[5]), r)
     return scale(1.0 / norm(n), n)
+
+
+@kernel
+def adjugate_times(m, r):
+    """det(m) m^-1 r of a symmetric matrix, as its six entries."""
+    m = _adjugate(m)
+    return (m[0] * r[0] + m[3] * r[1] + m[4] * r[2], m[3] * r[0] + m[1] * r[1] + m[5] * r[2], m[4] * r[0] + m[5] * r[1] + m[2] * r[2])
 
 
 @kernel

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ccd.precession import symmetry_axes
-from edmd import nearness, prediction, state
+from edmd import prediction, state
 from edmd.calendar import WAYS
 from edmd.epoch import energy_counted, forget_lists, kinetic_energy, make_lists, mean_velocity, reschedule_all
 from edmd.events import Ended
@@ -25,6 +25,7 @@ from edmd.tolerances import (
     MARGIN,
     NARROWEST,
     REFINE_BELOW,
+    SPARE,
     SPARE_ROOM,
     SPARE_SHARE,
 )
@@ -47,7 +48,7 @@ def build_world(system, rule):
     tally[state.ENTRIES] = n * LIST_ROOM
     world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), turns, _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
                   _grid(system), _cells(system, kinds, kind), _calendar(n), clock, tally, contacts,
-                  np.ones(max(prediction.COLUMNS, nearness.COLUMNS)), np.zeros(state.WATCHED_ROOM, dtype=np.int32))
+                  np.ones(prediction.COLUMNS), np.zeros(state.WATCHED_ROOM, dtype=np.int32))
     set_pace(world, system.velocities)
     clock[state.ENERGY] = kinetic_energy(world)
     mass, drift = mean_velocity(world)
@@ -156,6 +157,10 @@ def _kind_rows(system, rough):
     rows[:, state.POLE] = np.where(motion == state.FREE, state.GENERAL, pole)
     rows[:, state.ALONG_SQUARE] = semi_axes[np.arange(len(distinct)), pole]**2
     rows[:, state.ACROSS_SQUARE] = semi_axes[np.arange(len(distinct)), pole - 1]**2
+    small, middle, large = np.sort(semi_axes, axis=1).T
+    long = middle * middle * large <= large * large * small              # of the hulls about the longest and the shortest axis
+    rows[:, state.HULL] = np.where(long, semi_axes.argmax(axis=1), semi_axes.argmin(axis=1))
+    rows[:, state.HULL_ACROSS], rows[:, state.HULL_ALONG] = np.where(long, middle, large)**2, np.where(long, large, small)**2
     rows[:, state.MARGIN_LENGTH] = MARGIN * _cube_root(semi_axes.prod(axis=1))
     return rows, kind.ravel()
 
@@ -185,7 +190,7 @@ def _lists(room):
     spans[:, state.ROOM] = room
     spans[:, state.BEGIN] = np.cumsum(room) - room
     taken = int(room.sum())
-    return _views(spans, _aligned(taken + taken // SPARE_SHARE + 64, state.ENTRY_ROW), np.full(len(room), -1))
+    return _views(spans, _aligned(taken + taken // SPARE_SHARE + SPARE, state.ENTRY_ROW), np.full(len(room), -1))
 
 
 def _views(spans, numbers, seen):
@@ -233,14 +238,17 @@ def _cells(system, kinds, kind):
         levels[k, :3] = np.maximum(np.floor(heights / width), 1)
         levels[k, state.FIRST_CELL] = cells
         cells += levels[k, :3].prod()
-        reaches[k, 1] = np.abs(system.box / levels[k, :3, None]).sum()
+        reaches[k, 1] = np.abs(system.box / levels[k, :3, None]).sum() / reaches[k, 0]
     return _empty_cells(levels, reaches, cells, system.n, CELL_ROOM)
 
 
 def _empty_cells(levels, reaches, cells, n, room):
-    return Cells(levels, reaches, np.zeros((cells, room, 4), dtype=np.float32), np.zeros((cells, room), dtype=np.int32),
-                 np.zeros(cells, dtype=np.int32), np.full((n, 2), -1, dtype=np.int32),
-                 np.zeros(state.HITS + room, dtype=np.int64))
+    blocks = -(-room // state.LANES)
+    room = blocks * state.LANES
+    places = _aligned(cells * blocks, state.BLOCK_ROW // 2).view(np.float32).reshape(cells, blocks, state.BLOCK_ROW)
+    places[:, :, state.PLACE_POSITION:state.PLACE_POSITION + state.LANES] = state.NOBODY
+    return Cells(levels, reaches, places, np.zeros((cells, room), dtype=np.int32), np.zeros(cells, dtype=np.int32),
+                 np.full((n, 2), -1, dtype=np.int32), np.zeros(state.HITS + room, dtype=np.int64))
 
 
 def _with_roomy_cells(world):
@@ -250,7 +258,7 @@ def _with_roomy_cells(world):
     if (old.count < room).all():
         return world
     new = _empty_cells(old.levels, old.reaches, cells, len(old.where), 2 * room)
-    new.places[:, :room], new.bodies[:, :room], new.count[:], new.where[:] = old.places, old.bodies, old.count, old.where
+    new.places[:, :old.places.shape[1]], new.bodies[:, :room], new.count[:], new.where[:] = old.places, old.bodies, old.count, old.where
     return world._replace(cells=new)
 
 

@@ -1,30 +1,28 @@
-"""Grids of cells that hold the bodies by their anchors, and the search for those within reach of a place.
+"""Grids of cells that hold the bodies by their anchors, and the search for those near a place.
 
 Bodies are sorted into levels by the radius of their neighbourhood, a factor of two apart at most, each level with a grid of its own: a
-small body looks for large ones in wide cells and a large one for small ones in narrow cells. Positions are kept with the cell, from its
-corner, in float32: a look at four bodies is one cache line.
+small body looks for large ones in wide cells and a large one for small ones in narrow cells. What tells how near a body is stands with the
+cell, in columns of float32: `sieve.py` asks a whole cell at once.
 """
 
-from math import floor
-
-import numpy as np
+from math import floor, sqrt
 
 from ccd.compiling import kernel
 from ccd.separation import support
+from ccd.vectors import load, scale
 from edmd.boundary import displaced, fraction
 from edmd.prefetch import fetch_cell
-from edmd.state import FIRST_CELL
-from edmd.tolerances import FLOAT32_SLACK
+from edmd.sieve import clear, hull, keep, move, sift
+from edmd.state import ANCHOR_POSITION, FIRST_CELL, LANES, LEVEL, PLACE_GAP
 
-X, Y, Z, RADIUS = 0, 1, 2, 3        # of a place
 NOWHERE = -1
 
 
 @kernel
-def place(cells, grid, body, level, position, radius):
+def place(cells, grid, body, kind, anchor):
     """Put a body where its anchor is now. -> whether its cell had room; else it is in none."""
-    layers = cells.levels[level]
-    f = fraction(position, grid.inverse)
+    level, position = int(kind[LEVEL]), load(anchor, ANCHOR_POSITION)
+    layers, f = cells.levels[level], fraction(position, grid.inverse)
     i, j, k = _layer(f[0], layers[0]), _layer(f[1], layers[1]), _layer(f[2], layers[2])
     cell = layers[FIRST_CELL] + (i * layers[1] + j) * layers[2] + k
     where = cells.where[body]
@@ -36,8 +34,8 @@ def place(cells, grid, body, level, position, radius):
         where[0], where[1] = cell, cells.count[cell]
         cells.bodies[cell, where[1]] = body
         cells.count[cell] += 1
-    x, there = from_corner(grid, layers, (i, j, k), position), cells.places[cell, where[1]]
-    there[X], there[Y], there[Z], there[RADIUS] = x[0], x[1], x[2], radius
+    unit = 1.0 / cells.reaches[level, 0]
+    keep(cells.places[cell], where[1], scale(unit, from_corner(grid, layers, (i, j, k), position)), hull(anchor, kind, unit))
     return True
 
 
@@ -56,8 +54,8 @@ def _take_out(cells, body):
     if slot != last:
         moved = cells.bodies[cell, last]
         cells.bodies[cell, slot], cells.where[moved, 1] = moved, slot
-        for k in range(4):
-            cells.places[cell, slot, k] = cells.places[cell, last, k]
+        move(cells.places[cell], last, slot)
+    clear(cells.places[cell], last)
 
 
 @kernel
@@ -91,12 +89,14 @@ def _span(layers, height, f, reach):
 
 
 @kernel
-def within_reach(grid, layers, f, at, reach):
-    """Whether a cell can hold anything within reach of f."""
-    a = _beside(layers[0], grid.heights[0], f[0], at[0])
-    b = _beside(layers[1], grid.heights[1], f[1], at[1])
-    c = _beside(layers[2], grid.heights[2], f[2], at[2])
-    return (a * a + b * b + c * c) * grid.heights[3] <= reach * reach
+def row_within(grid, layers, f, at, reach, ends):
+    """The first and the last of the cells (at, k) that can hold anything within reach of f, of those between the ends."""
+    a, b = _beside(layers[0], grid.heights[0], f[0], at[0]), _beside(layers[1], grid.heights[1], f[1], at[1])
+    left = reach * reach / grid.heights[3] - a * a - b * b
+    if left < 0.0:
+        return 0, -1
+    first, last = _span(layers[2], grid.heights[2], f[2], sqrt(left))
+    return max(first, ends[0]), min(last, ends[1])
 
 
 @kernel
@@ -107,22 +107,25 @@ def _beside(layers, height, f, layer):
 
 
 @kernel
-def scan(cells, grid, level, at, position, radius, found):
-    """Add to the hits the bodies of a cell, or of an image of it, whose neighbourhoods overlap one of this radius. -> how many hits."""
+def scan(cells, grid, level, at, position, own, lengths, found):
+    """Add to the hits the bodies of a cell, or of an image of it, that may be near a body there with this `hull`. -> how many hits.
+
+    lengths: see `sift`.
+    """
     layers = cells.levels[level]
     i, shift_i = _wrapped(at[0], layers[0])
     j, shift_j = _wrapped(at[1], layers[1])
     k, shift_k = _wrapped(at[2], layers[2])
     cell, image = layers[FIRST_CELL] + (i * layers[1] + j) * layers[2] + k, packed(shift_i, shift_j, shift_k)
     fetch_cell(cells, min(cell + layers[2], len(cells.count) - 1))      # beside it in the next row, which comes soon
-    x, y, z = from_corner(grid, layers, at, position)
-    slack = FLOAT32_SLACK * (abs(x) + abs(y) + abs(z) + cells.reaches[level, 1])
-    x, y, z, wide = np.float32(x), np.float32(y), np.float32(z), np.float32(radius + slack)
-    for slot in range(cells.count[cell]):
-        there = cells.places[cell, slot]
-        dx, dy, dz, within = there[X] - x, there[Y] - y, there[Z] - z, there[RADIUS] + wide
-        cells.hits[found] = image | int(cells.bodies[cell, slot])
-        found += 1 if dx * dx + dy * dy + dz * dz < within * within else 0          # no jump: it is a toss
+    x = scale(1.0 / cells.reaches[level, 0], from_corner(grid, layers, at, position))
+    count = cells.count[cell]
+    for first in range(0, count, LANES):
+        block = cells.places[cell, first // LANES]
+        if sift(block, x, own, lengths):
+            for lane in range(LANES):                                       # no jump: who is near is a toss
+                cells.hits[found] = image | int(cells.bodies[cell, first + lane])
+                found += 1 if block[PLACE_GAP + lane] <= 0.0 else 0
     return found
 
 

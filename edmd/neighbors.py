@@ -11,10 +11,10 @@ from ccd.compiling import kernel, large_kernel
 from ccd.precession import NO_AXIS
 from ccd.vectors import dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced, fraction, image_of
-from edmd.cells import extent_along, place, scan, unpacked, window, within_reach
+from edmd.cells import extent_along, place, row_within, scan, unpacked, window
 from edmd.events import Ended
 from edmd.flight import advance, flight_of, kind_of, load_vectors
-from edmd.nearness import BLOCK, beyond, near, part, put, still_near
+from edmd.nearness import near, still_near
 from edmd.pairs import (
     ball_now,
     courses,
@@ -27,6 +27,7 @@ from edmd.pairs import (
     size_now,
 )
 from edmd.prefetch import fetch_anchor
+from edmd.sieve import hull
 from edmd.state import (
     ANCHOR_MARGIN,
     ANCHOR_POSITION,
@@ -45,7 +46,6 @@ from edmd.state import (
     HORIZON,
     IMAGE,
     LARGEST,
-    LEVEL,
     MARGIN_LENGTH,
     NOW,
     PARTNER,
@@ -155,7 +155,7 @@ def _anchor(world, body):
     anchor[ANCHOR_MARGIN] = size * kind[MARGIN_LENGTH]
     anchor[ANCHOR_RADIUS] = size * (kind[LARGEST] + kind[MARGIN_LENGTH])
     world.clock[REACH_SIZE] = max(size, world.clock[REACH_SIZE])
-    return place(world.cells, grid, body, int(kind[LEVEL]), load(row, POSITION), anchor[ANCHOR_RADIUS])
+    return place(world.cells, grid, body, kind, anchor)
 
 
 @large_kernel
@@ -203,20 +203,25 @@ def _listed(world, body, other, shift, one_image):
 @kernel
 def _search(world, body):
     """Find the neighbours that are not listed yet, among the bodies of every level of size."""
-    cells, grid, anchor = world.cells, world.grid, world.anchors[body]
+    cells, grid, anchor, kind = world.cells, world.grid, world.anchors[body], world.kinds[kind_of(world, body)]
     position, radius, margin = load(anchor, ANCHOR_POSITION), anchor[ANCHOR_RADIUS], anchor[ANCHOR_MARGIN]
     extent = extent_along(grid, load_vectors(anchor, ANCHOR_VECTORS))
     f = fraction(position, grid.inverse)
     widest = min(grid.heights[0], grid.heights[1], grid.heights[2])
     for level in range(len(cells.levels)):
-        layers, outer, found = cells.levels[level], cells.reaches[level, 0] * world.clock[REACH_SIZE], 0
+        layers, unit, found = cells.levels[level], cells.reaches[level, 0], 0
+        outer, own = unit * world.clock[REACH_SIZE], hull(anchor, kind, 1.0 / unit)
         reach, beside = radius + outer, margin + outer
+        lengths = cells.reaches[level, 1] + 2 * reach / unit
         first, last = window(grid, layers, f, (extent[0] + beside, extent[1] + beside, extent[2] + beside))
-        i, j, k = first
+        i, j, k, end = first[0], first[1] - 1, 0, -1                    # before the first row
         while i <= last[0]:
-            if within_reach(grid, layers, f, (i, j, k), reach):
-                found = scan(cells, grid, level, (i, j, k), position, radius, found)
-            i, j, k = _next_cell((i, j, k), first, last)
+            if k <= end:
+                found = scan(cells, grid, level, (i, j, k), position, own, lengths, found)
+                k += 1
+            else:
+                i, j = (i, j + 1) if j < last[1] else (i + 1, first[1])
+                k, end = row_within(grid, layers, f, (i, j), reach, (first[2], last[2]))
             if found > HITS or i > last[0]:
                 status = _sift(world, body, found, widest > 2 * reach)
                 if status != DONE:
@@ -226,48 +231,28 @@ def _search(world, body):
 
 
 @kernel
-def _next_cell(at, first, last):
-    """The next cell of a window; its first index is beyond the window after the last one."""
-    i, j, k = at
-    if k < last[2]:
-        return i, j, k + 1
-    if j < last[1]:
-        return i, j + 1, first[2]
-    return i + 1, first[1], first[2]
-
-
-@kernel
 def _sift(world, body, found, one_image):
     """List those of the bodies found that are neighbours and not listed yet."""
-    anchors, hits, columns = world.anchors, world.cells.hits, world.columns
-    anchor, ball = anchors[body], is_sphere(world, body)
-    for first in range(0, found, BLOCK):
-        new = 0
-        for k in range(first, min(first + BLOCK, found)):
-            fetch_anchor(anchors, int(hits[k]) & 0xFFFFFFFF)
-        for k in range(first, min(first + BLOCK, found)):
-            other, i, j, m = unpacked(hits[k])
-            itself = other == body and i == 0 and j == 0 and m == 0
-            if itself or _listed(world, body, other, (i, j, m), one_image):
-                continue
-            r = subtract(load(anchors[other], ANCHOR_POSITION), load(anchor, ANCHOR_POSITION))
-            if i != 0 or j != 0 or m != 0:
-                r = displaced(r, world.grid.box, i, j, m)
-            if beyond(r, anchor, anchors[other], ball):
-                continue
-            put(columns, new, r, anchors[other])
-            hits[first + new] = hits[k]
+    anchors, hits, ball, new = world.anchors, world.cells.hits, is_sphere(world, body), 0
+    for k in range(found):
+        other, i, j, m = unpacked(hits[k])
+        itself = other == body and i == 0 and j == 0 and m == 0
+        if not itself and not _listed(world, body, other, (i, j, m), one_image):
+            fetch_anchor(anchors, other)
+            hits[new] = hits[k]
             new += 1
-        part(columns, new, anchor)
-        for k in range(new):
-            other, i, j, m = unpacked(hits[first + k])
-            listed, n = near(columns, k, anchor, ball and is_sphere(world, other))
-            if listed:
-                if other == body:
-                    return CELL_TOO_SMALL
-                if not (_has_room(world.lists, world.tally, body) and _has_room(world.lists, world.tally, other)):
-                    return NO_ROOM
-                _add(world, body, other, (i, j, m), n)
+    for k in range(new):
+        other, i, j, m = unpacked(hits[k])
+        r = subtract(load(anchors[other], ANCHOR_POSITION), load(anchors[body], ANCHOR_POSITION))
+        if i != 0 or j != 0 or m != 0:
+            r = displaced(r, world.grid.box, i, j, m)
+        listed, n = near(r, anchors[body], anchors[other], ball and is_sphere(world, other))
+        if listed:
+            if other == body:
+                return CELL_TOO_SMALL
+            if not (_has_room(world.lists, world.tally, body) and _has_room(world.lists, world.tally, other)):
+                return NO_ROOM
+            _add(world, body, other, (i, j, m), n)
     return DONE
 
 

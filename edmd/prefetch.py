@@ -65,9 +65,10 @@ def fetch_list(lists, body):
 
 @kernel
 def fetch_cell(cells, cell):
-    """The bodies of a cell: of its places, in float32, four stand in a line."""
-    for slot in range(0, cells.places.shape[1], LINE // 2):
-        fetch(cells.places[cell, slot], 0)
+    """The first bodies of a cell."""
+    block = cells.places[cell, 0]
+    for k in range(0, len(block), 2 * LINE):
+        fetch(block, k)
     fetch(cells.bodies[cell], 0)
 
 

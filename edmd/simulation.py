@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from math import inf, isinf, sqrt
 from typing import TYPE_CHECKING, NamedTuple
 from zipfile import BadZipFile
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from edmd.observers import Observer
 
 STALL_PATH = "edmd.stalled.npz"
-FORMAT = 5                  # of what `save` writes
+FORMAT = 6                  # of what `save` writes
 
 
 class Course(NamedTuple):
@@ -113,7 +114,7 @@ class Simulation:
     def _rough(self):
         return isinstance(self.rule, Rough)
 
-    @property
+    @cached_property
     def _degrees(self):
         return degrees_of_freedom(self._system, self._rough)
 

@@ -23,17 +23,19 @@ TURN_ROW = 8
 # inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
 # UNEQUAL: largest difference of two moments over the third; DEGREES: of rotation that collisions exchange, 0, 2 or 3;
 # LEVEL: see Cells; POLE: which semi-axis vector tells the shape of a body of revolution, if its motion is not FREE, else GENERAL;
-# ACROSS_SQUARE, ALONG_SQUARE: of the semi-axes
+# ACROSS_SQUARE, ALONG_SQUARE: of the semi-axes; HULL: about which of its axes the least body of revolution turns that holds it
+# (sieve.py); HULL_ACROSS, HULL_ALONG: squares of that one's semi-axes
 SEMI_AXES, INVERSE_MASS, INVERSE_MOMENTS, AXIS, ACROSS, SPREAD, LARGEST, BENDING, MARGIN_LENGTH = 0, 3, 4, 7, 8, 9, 10, 11, 12
 MOTION, UNEQUAL, DEGREES, LEVEL = 13, 14, 15, 16
 POLE, ACROSS_SQUARE, ALONG_SQUARE = 17, 18, 19
+HULL, HULL_ACROSS, HULL_ALONG = 20, 21, 22
 KIND_ROW = 24
 GENERAL = -1
 
 # motions: how a shape moves in free flight: not at all, at the constant rate L / I_perp (eq. (12)), or as a free top (eq. (12b))
 STILL, STEADY, FREE = 0, 1, 2
 
-# anchors: where a body was, at which size, when its list was made; the search for neighbours needs the first half only of a body too far
+# anchors: where a body was, at which size, when its list was made
 ANCHOR_POSITION, ANCHOR_RADIUS, ANCHOR_MARGIN, ANCHOR_SIZE, ESCAPE_TIME, ANCHOR_VECTORS = 0, 3, 4, 5, 6, 7
 ANCHOR_ROW = 16
 
@@ -48,6 +50,12 @@ ENTRY_ROW = 8
 LAYERS, FIRST_CELL = 0, 3
 LEVEL_ROW = 4
 HITS = 128
+
+# places of a cell, in blocks of LANES bodies, in columns: position from the corner, hull and margin in units of the level's longest list
+# radius at size 1; GAP: what the search last said of each (sieve.py), nothing to keep; NOBODY: the first coordinate in an empty slot
+LANES, NOBODY = 8, 1e15
+(PLACE_POSITION, PLACE_AXIS, PLACE_ACROSS, PLACE_ALONG, PLACE_MARGIN, PLACE_GAP,
+ BLOCK_ROW) = (LANES * column for column in (0, 3, 6, 7, 8, 9, 10))
 
 # spans of the lists among the entries
 BEGIN, COUNT, ROOM = 0, 1, 2
@@ -94,8 +102,8 @@ class Cells(NamedTuple):
     """Grids that hold the bodies by their anchors, one for each level of size (cells.py)."""
 
     levels: np.ndarray      # int64 (levels, LEVEL_ROW)
-    reaches: np.ndarray     # float64 (levels, 2): longest list radius at size 1, diagonal of a cell
-    places: np.ndarray      # float32 (cells, room, 4): position from the corner of the cell, and list radius
+    reaches: np.ndarray     # float64 (levels, 2): longest list radius at size 1, and in units of it the sum of the edges of a cell
+    places: np.ndarray      # float32 (cells, room / LANES, BLOCK_ROW)
     bodies: np.ndarray      # int32 (cells, room)
     count: np.ndarray       # int32 (cells,)
     where: np.ndarray       # int32 (n, 2): cell and slot of each body, -1: not placed
