@@ -10,13 +10,21 @@ import os
 import re
 import shutil
 import tempfile
+import time
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numba
 
+try:
+    import fcntl
+except ImportError:                 # Windows
+    fcntl = None
+
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("ccd", "edmd", "analysis")
 _IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+)?import\s+(\([^)]*\)|.+)$", re.MULTILINE)
+PATIENCE, PAUSE = 600.0, 0.1     # seconds to wait for another process that compiles, and between two looks at whether it has done
 FOLDERS_KEPT = 4                 # caches of earlier sources, for people who switch between branches
 
 
@@ -66,6 +74,28 @@ def cache_folder(package):
             _forget_old(base, package, keep=folder)
             return str(folder)
     return None
+
+
+@contextmanager
+def one_at_a_time(package):
+    """Let nobody else compile for this cache: who has waited finds compiled what the one before has. Where files have locks."""
+    folder = cache_folder(package)
+    with ExitStack() as stack:
+        if folder and fcntl:
+            _wait_for(stack.enter_context(open(os.path.join(folder, "lock"), "w")))
+        yield
+
+
+def _wait_for(file):
+    """Lock a file, if it can be before patience ends."""
+    for _ in range(round(PATIENCE / PAUSE)):
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return
+        except BlockingIOError:
+            time.sleep(PAUSE)
+        except OSError:                                 # a file system without locks
+            return
 
 
 def _forget_old(base, package, keep):

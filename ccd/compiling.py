@@ -13,7 +13,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering, NopythonTypeInference
 from numba.core.types.containers import BaseTuple
 
-from ccd.code_cache import cache_folder
+from ccd.code_cache import cache_folder, one_at_a_time
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
@@ -88,13 +88,21 @@ def _unroll(copies, threshold):
 OPTIONS = {"nogil": True, "error_model": "numpy", "_nrt": False, "pipeline_class": KernelCompiler, "no_cfunc_wrapper": True}
 
 
+class Entry(CPUDispatcher):
+    """Compiled code that Python calls. Processes that want the same compile it once."""
+
+    def compile(self, signature):
+        with one_at_a_time(_package(self.py_func)):
+            return super().compile(signature)
+
+
 class Kernel(CPUDispatcher):
     """Compiled code as other compiled code calls it. What Python calls as well is compiled for it, on the first call: taking arguments from
     Python is more code than most kernels are."""
 
     @functools.cached_property
     def entry(self):
-        return _compile(self.py_func, "called from Python", **OPTIONS, forceinline=False, no_cpython_wrapper=False)
+        return _entry(self.py_func, "called from Python", **OPTIONS, forceinline=False, no_cpython_wrapper=False)
 
     def __call__(self, *arguments):
         return self.entry(*arguments)
@@ -123,11 +131,18 @@ def _inner(function, forceinline):
 
 def parallel_kernel(function):
     """`kernel` whose prange loops run on all cores, called from Python. The results do not depend on how many there are."""
-    return _compile(function, "", nogil=True, error_model="numpy", parallel=True)
+    return _entry(function, "", nogil=True, error_model="numpy", parallel=True)
+
+
+def _entry(function, room, **options):
+    compiled = _compile(function, room, **options)
+    if compiled is not function:
+        compiled.__class__ = Entry
+    return compiled
 
 
 def _compile(function, room, **options):
-    folder = cache_folder(function.__module__.split(".")[0])
+    folder = cache_folder(_package(function))
     if folder is None:
         return numba.njit(**options)(function)
     before = numba.config.CACHE_DIR
@@ -136,3 +151,7 @@ def _compile(function, room, **options):
         return numba.njit(cache=True, **options)(function)
     finally:
         numba.config.CACHE_DIR = before
+
+
+def _package(function):
+    return function.__module__.split(".")[0]

@@ -25,11 +25,13 @@ from edmd.state import (
     ENERGY_ERROR,
     ENERGY_SINCE,
     ENERGY_TIME,
+    ENOUGH,
     EPOCH,
     EPOCH_BEGAN,
     EPOCH_SPARED,
     ESCAPE_TIME,
     EVENT,
+    EVENTS,
     GROWTH,
     HORIZON,
     INSTANT,
@@ -55,6 +57,7 @@ from edmd.state import (
 from edmd.tolerances import (
     DRIFTED,
     EPOCH_COLLISIONS,
+    EPOCH_EVENTS,
     EPOCH_LEAST,
     GROWTH_HORIZON,
     HORIZON_FREE_TIMES,
@@ -70,10 +73,12 @@ def start_epoch(world):
     clock, tally, n = world.clock, world.tally, len(world.bodies)
     now, collisions = clock[NOW], tally[COLLISIONS] - tally[EPOCH_BEGAN]
     collisions -= tally[SPARED] - tally[EPOCH_SPARED]
-    free_time = now * n / (2.0 * collisions) if collisions > 0 else now if now > clock[HORIZON] else 0.0
+    missing = 0 if tally[EVENTS] >= tally[ENOUGH] else max(tally[NEXT_EPOCH] - tally[COLLISIONS], 0)
+    free_time = _free_time(now * n / 2.0, collisions, missing, clock)
     _close_the_books(world)
     tally[EPOCH_BEGAN], tally[EPOCH_SPARED] = tally[COLLISIONS], tally[SPARED]
     tally[NEXT_EPOCH] = tally[COLLISIONS] + max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
+    tally[ENOUGH] = tally[EVENTS] + EPOCH_EVENTS * (tally[NEXT_EPOCH] - tally[COLLISIONS])
     clock[SIZE] = size_now(clock)
     clock[EPOCH] += now
     clock[NOW] = clock[ENERGY_SINCE] = clock[ENERGY_TIME] = clock[VIRIAL] = 0.0
@@ -91,6 +96,15 @@ def start_epoch(world):
         world.calendar.time[place] -= now
     if free_time > 0:
         _pace(world, free_time)
+
+
+@kernel
+def _free_time(spent, collisions, missing, clock):
+    """The mean free time by an epoch; 0 where it cannot tell. Collisions that are missing count as was thought before: a few that come in
+    a burst say little. spent: by pairs of bodies."""
+    if collisions <= 0:
+        return clock[NOW] if clock[NOW] > clock[HORIZON] else 0.0
+    return (spent + missing * clock[REFINE] / REFINE_BELOW) / (collisions + missing)
 
 
 @kernel
@@ -185,8 +199,10 @@ def rescale(world, factor, inertia_factor):
 
     The spin of a body of revolution about its axis stays, whatever its moment.
     """
-    advance_all(world.bodies, world.kinds, world.clock[NOW])
-    store(world.clock, DRIFT, scale(factor, load(world.clock, DRIFT)))
+    clock = world.clock
+    advance_all(world.bodies, world.kinds, clock[NOW])
+    store(clock, DRIFT, scale(factor, load(clock, DRIFT)))
+    clock[HORIZON], clock[REFINE] = clock[HORIZON] / factor, clock[REFINE] / factor
     for body in range(len(world.bodies)):
         row = world.bodies[body]
         store(row, VELOCITY, scale(factor, load(row, VELOCITY)))

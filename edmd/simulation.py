@@ -28,7 +28,7 @@ from edmd.outputs import check_output, written_whole
 from edmd.rules.kinds import chosen_rule, rule_of
 from edmd.rules.rough import Rough
 from edmd.stall import at_rest, time_stands_still
-from edmd.state import EPOCH, GROWTH, HORIZON, NOW, REFINE, SIZE
+from edmd.state import EPOCH, GROWTH, HORIZON, NOW, SIZE
 from edmd.system import System
 from edmd.tolerances import FOREVER, OVERLAP
 from edmd.velocities import thermalized
@@ -74,7 +74,7 @@ class Simulation:
                 raise ValueError(f"system: body {one} and its own periodic image overlap {factor}; expected a larger box")
             raise ValueError(f"system: bodies {one} and {other} overlap {factor}; expected a start without overlap")
         self.seed, self.rule = checks.natural_number("seed", seed), chosen_rule(restitution, rule)
-        self._system = system.copy()
+        self._system = system.makeup()
         self._order = spatial_order(system.positions, system.box)          # of the bodies in the world
         self._world = building.build_world(system.subset(self._order), self.rule)
         self._spin = np.zeros(system.n) if self._rough else own_spin(system)
@@ -260,9 +260,7 @@ class Simulation:
         if self.energy == 0:
             raise ValueError(f"temperature = {temperature}: the bodies are at rest; expected some velocities (Simulation.thermalize)")
         self._new_epoch(lambda: epoch.start_epoch(self._world))
-        factor, clock = sqrt(temperature / self.temperature), self._world.clock
-        clock[[HORIZON, REFINE]] /= factor
-        epoch.rescale(self._world, factor, 1.0)
+        epoch.rescale(self._world, sqrt(temperature / self.temperature), 1.0)
         return self
 
     def thermalize(self, temperature: float = 1.0, seed: int | None = None) -> Simulation:
@@ -301,8 +299,7 @@ class Simulation:
         file_path = check_output(path, overwrite=True)
         arrays = {f"world.{name}": array for name, array in building.flattened(self._world)}
         like = self._system
-        arrays |= {f"system.{name}": getattr(like, name) for name in
-                   ("positions", "orientations", "semi_axes", "box", "velocities", "angular_velocities", "masses", "species", "moments")}
+        arrays |= {f"system.{name}": getattr(like, name) for name in ("semi_axes", "box", "masses", "species", "moments")}
         facts = {"inertia": like.inertia if isinstance(like.inertia, str) else "moments", "seed": self.seed,
                  "grown_inertia": self._grown_inertia, "done": self._done, "before": self._before, "last_means": self.last_means,
                  "last": self._last, "course": self.course, "notes": notes, "rule": self.rule.document(), "format": FORMAT}
@@ -319,9 +316,10 @@ class Simulation:
             if facts["format"] != FORMAT:
                 raise ValueError(f"its format is {facts['format']}, this version of edmd reads {FORMAT}")
             system = {name.removeprefix("system."): array for name, array in arrays.items() if name.startswith("system.")}
-            moments = system.pop("moments")
+            moments, n = system.pop("moments"), len(system["semi_axes"])
             simulation = cls.__new__(cls)
-            simulation._system = System(**system, inertia=facts["inertia"] if facts["inertia"] != "moments" else moments)
+            simulation._system = System(np.zeros((n, 3)), np.eye(4)[np.zeros(n, dtype=int)], **system,
+                                        inertia=facts["inertia"] if facts["inertia"] != "moments" else moments).makeup()
             simulation._world = building.unflattened({name.removeprefix("world."): array for name, array in arrays.items()
                                                       if name.startswith("world.")})
             simulation._spin, simulation._order, simulation.seed = arrays["spin"], arrays["order"], facts["seed"]

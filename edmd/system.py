@@ -86,6 +86,14 @@ class System:
         part.box, part.inertia = self.box.copy(), self.inertia if isinstance(self.inertia, str) else part.moments
         return part
 
+    def makeup(self) -> System:
+        """A copy of what no run changes. Where the bodies are and how they move is left out: the same for all, which takes no memory."""
+        like = self.subset(np.arange(self.n))
+        for name, value in {"positions": np.zeros(3), "orientations": np.eye(4)[0], "velocities": np.zeros(3),
+                            "angular_velocities": np.zeros(3)}.items():
+            setattr(like, name, np.broadcast_to(value, (self.n, len(value))))
+        return like
+
     def contact_functions(self, gap: float = 0.0) -> tuple[Array, Array, Floats]:
         """The pairs whose bounding spheres touch when scaled by 1 + gap, and their contact functions; see `ccd.contacts`."""
         return contact_functions(self.positions, self.orientations, self.semi_axes, self.box, gap)

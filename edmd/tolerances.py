@@ -18,6 +18,7 @@ LOOK_PAST = 2.0             # how far ahead a sharp bound looks, in units of the
 HORIZON_FREE_TIMES = 4.5    # how far ahead a bound of a pair looks, in mean free times
 EPOCH_COLLISIONS = 4        # collisions per body between two upkeeps (and at least EPOCH_LEAST in all)
 EPOCH_LEAST = 64
+EPOCH_EVENTS = 300          # events a collision that an epoch should have, with which it ends: its idea of the mean free time is wrong
 GROWTH_HORIZON = 1e-2       # relative growth for which one prediction is made, at most
 FAINTEST = 1e-14            # approach of a dissipative collision, in units of the bodies' velocities, below which it is rounding
 FAINT_COLLISIONS = 60       # of one pair in a row after which it has collapsed: of e = 0 one is as likely followed by another as not
@@ -35,7 +36,7 @@ SPARE_ROOM = 2              # room beyond its entries that a list is given when 
 SPARE = 8192                # entries beyond the lists, for those that grow until all are put in order again,
 SPARE_SHARE = 24            # and one more for so many
 CELL_BODIES = 5.0           # bodies in a cell of a grid, on average
-CELL_ROOM = 16              # first capacity of a cell
+CELL_ROOM = 16              # first capacity of a cell, a multiple of state.LANES
 NARROWEST = 0.5             # width of a cell, at least, in units of the largest list radius of its level
 NARROW = 9.0                # squared aspect ratio of a body from which its neighbours are sifted by a second plane
 FLOAT32_SLACK = 1e-6        # relative widening of a search in float32

@@ -144,7 +144,7 @@ def grazes(request):
     return a.pick(regular), b.pick(regular)
 
 
-@pytest.mark.parametrize("depth", [1e-3, 1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize("depth", [1e-3, 1e-9, *(pytest.param(depth, marks=pytest.mark.validate) for depth in (1e-5, 1e-7))])
 def test_grazing_flights_of_every_kind_are_told_apart(grazes, depth):
     a, at_zero = grazes
     for sign in (1, -1):

@@ -181,8 +181,8 @@ def two_roads(n, seed, degree, spin):
 
 
 def test_the_two_roads_agree():
-    assert two_roads(1200, 6, 3, 2.0) < 1e-5
-    assert two_roads(400, 7, 4, 3.0) < 1e-6
+    assert two_roads(500, 6, 3, 2.0) < 1e-5
+    assert two_roads(200, 7, 4, 3.0) < 1e-6
 
 
 @pytest.mark.validate

@@ -60,12 +60,14 @@ def spread(rng, radius, box):
 
 
 def test_crowded_cells_get_more_room(monkeypatch):
-    """Cells with room for two bodies end with room for all, and the run is the same."""
+    """Cells with room for eight bodies end with room for all, and the run is the same."""
+    monkeypatch.setattr(building, "CELL_BODIES", 20.0)
+    monkeypatch.setattr(building, "CELL_ROOM", 64)
     like = edmd.Simulation(fluids.fluid("prolate", 60, 0.4, seed=5)).run(collisions=300)
-    monkeypatch.setattr(building, "CELL_ROOM", 2)
+    monkeypatch.setattr(building, "CELL_ROOM", 8)
     simulation = edmd.Simulation(fluids.fluid("prolate", 60, 0.4, seed=5))
     room = simulation._world.cells.bodies.shape[1]
-    assert room > 2
+    assert room > 8
     assert simulation._world.cells.count.max() <= room
     simulation.run(collisions=300).verify()
     assert np.array_equal(simulation.system.positions, like.system.positions)

@@ -26,7 +26,7 @@ def turning_body(semi_axes, tilt, rate=1.0):
 
 def supports(semi_axes, u, about, n, rate=1.0):
     """h(n) (directions, times), by turning the body."""
-    seen = np.array([turn.inv().apply(n) for turn in Rotation.from_rotvec(rate * TIMES[:, None] * about)])
+    seen = n @ Rotation.from_rotvec(rate * TIMES[:, None] * about).as_matrix()              # in the frame of the body
     return np.linalg.norm(seen * np.array(semi_axes), axis=2).T
 
 

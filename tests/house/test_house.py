@@ -147,6 +147,18 @@ def test_the_cache_follows_imports_however_they_are_written(copied, monkeypatch,
     assert cache_name(copied, monkeypatch) != before
 
 
+def test_processes_that_begin_together_compile_once(tmp_path):
+    code = """
+from ccd.separation import best_plane_of
+sphere = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)
+best_plane_of(sphere, sphere, (3.0, 0.0, 0.0), 0.5, 1e-5)
+print(sum(best_plane_of.entry.stats.cache_misses.values()))
+"""
+    running = [subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, stdout=subprocess.PIPE, text=True,
+                                env=os.environ | {"PYTHONPATH": str(ROOT), "EDMD_CACHE_DIR": str(tmp_path)}) for _ in range(3)]
+    assert sorted(each.communicate(timeout=120)[0].strip() for each in running) == ["0", "0", "1"]
+
+
 def test_the_engine_is_compiled_for_one_kind_of_world_only():
     """A second signature is a second engine: compiled again, for an array that is strided, read-only or of another type."""
     done = python("-c", """

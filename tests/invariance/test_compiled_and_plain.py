@@ -10,8 +10,8 @@ import pytest
 RUN = """
 import sys, numpy as np, edmd
 simulation = edmd.Simulation(edmd.lattice("fcc", eval(sys.argv[1]), 0.35, (2, 2, 2), seed=3), rule=eval(sys.argv[3]))
-simulation.run(collisions=150)
-simulation.compress(0.05, until_packing_fraction=0.37)
+simulation.run(collisions=80)
+simulation.compress(0.05, until_packing_fraction=0.36)
 end = simulation.system
 np.save(sys.argv[2], np.hstack([end.positions, end.orientations, end.velocities, end.angular_velocities]))
 """
