@@ -19,7 +19,7 @@ import numba
 try:
     import fcntl
 except ImportError:                 # Windows
-    fcntl = None
+    fcntl = None  # type: ignore[assignment]
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("ccd", "edmd", "analysis")
@@ -65,7 +65,7 @@ def cache_folder(package):
     for name, text in kernel_sources(package).items():
         digest.update(name.encode() + b"\0" + text)
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    candidates = [Path(os.environ["EDMD_CACHE_DIR"])] if "EDMD_CACHE_DIR" in os.environ else []
+    candidates = [Path(os.environ["EDMD_CACHE_DIR"])] if os.environ.get("EDMD_CACHE_DIR") else []
     candidates += [user / "edmd", Path(tempfile.gettempdir()) / f"edmd-{os.getuid() if hasattr(os, 'getuid') else 'user'}"]
     for base in candidates:
         folder = base / f"{package}-{digest.hexdigest()[:16]}"
