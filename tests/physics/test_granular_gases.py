@@ -66,12 +66,12 @@ def test_perfectly_rough_elastic_bodies_share_energy_over_all_rotation(shape):
     simulation, seen = cooling(fluids.SHAPES[shape], 256, 0.3, edmd.Rough(1.0, 1.0)), []
     energy = simulation.energy
     simulation.run(collisions_per_particle=30)
-    for _ in range(20):
+    for _ in range(40):
         translation, rotation = independent.energies(simulation.run(collisions_per_particle=8).system)
         seen.append([2 * translation / (3 * 256 - 3), *(2 * rotation / 256)])
     assert simulation.energy == pytest.approx(energy, rel=1e-12)
     assert simulation.temperature == pytest.approx(1, rel=1e-12)
-    mean, error = independent.block_mean(np.reshape(seen, (5, 4, 4)).mean(axis=1))
+    mean, error = independent.block_mean(np.reshape(seen, (10, 4, 4)).mean(axis=1))
     assert (abs(mean - 1) < 4 * error + 0.01).all()
     assert (error < 0.08).all()
 
