@@ -53,7 +53,7 @@ HITS = 128
 
 # places of a cell, in blocks of LANES bodies, in columns: position from the corner, hull and margin in units of the level's longest list
 # radius at size 1; GAP: what the search last said of each (sieve.py), nothing to keep; NOBODY: the first coordinate in an empty slot
-LANES, NOBODY = 8, 1e15
+LANES, NOBODY = 8, 1e12
 (PLACE_POSITION, PLACE_AXIS, PLACE_ACROSS, PLACE_ALONG, PLACE_MARGIN, PLACE_GAP,
  BLOCK_ROW) = (LANES * column for column in (0, 3, 6, 7, 8, 9, 10))
 
