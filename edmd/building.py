@@ -20,8 +20,8 @@ from edmd.tolerances import (
     CELL_ROOM,
     DRIFTED,
     EPOCH_COLLISIONS,
-    EPOCH_EVENTS,
     EPOCH_LEAST,
+    EPOCH_LOOKS,
     LIST_ROOM,
     MARGIN,
     NARROWEST,
@@ -46,7 +46,7 @@ def build_world(system, rule):
     clock[state.ROUNDING] = np.finfo(float).eps * np.abs(system.box).sum()
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
-    tally[state.ENOUGH] = EPOCH_EVENTS * tally[state.NEXT_EPOCH]
+    tally[state.ENOUGH] = EPOCH_LOOKS * tally[state.NEXT_EPOCH]
     tally[state.ENTRIES] = n * LIST_ROOM
     world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), turns, _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
                   _grid(system), _cells(system, kinds, kind), _calendar(n), clock, tally, contacts,

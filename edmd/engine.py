@@ -7,7 +7,7 @@ from edmd.neighbors import DONE, escape, set_escape
 from edmd.pairs import rounded, turn_plane
 from edmd.prediction import predict, reschedule
 from edmd.prefetch import fetch_list_of_partner, fetch_next, fetch_pair
-from edmd.state import BEGIN, COLLISIONS, COUNT, ENOUGH, EVENT, EVENTS, FAINT, INSTANT, NEXT_EPOCH, NOW, PARTNER, STANDING, WATCHED
+from edmd.state import BEGIN, COLLISIONS, COUNT, ENOUGH, EVENT, EVENTS, FAINT, INSTANT, LOOKS, NEXT_EPOCH, NOW, PARTNER, STANDING, WATCHED
 from edmd.tolerances import EVENTS_AT_ONCE, FAINT_COLLISIONS, FETCHED_AHEAD, FOREVER, STALL_EVENTS
 from edmd.watching import touching, watch
 
@@ -25,7 +25,7 @@ def advance_events(world, until_time, until_collisions):
     for _ in range(EVENTS_AT_ONCE):
         if tally[COLLISIONS] >= until_collisions:
             return COLLISIONS_REACHED
-        if tally[COLLISIONS] >= tally[NEXT_EPOCH] or tally[EVENTS] >= tally[ENOUGH]:
+        if tally[COLLISIONS] >= tally[NEXT_EPOCH] or tally[LOOKS] >= tally[ENOUGH]:
             return EPOCH
         time, body = calendar.time[0], int(calendar.body[0])
         if time > until_time:

@@ -31,13 +31,13 @@ from edmd.state import (
     EPOCH_SPARED,
     ESCAPE_TIME,
     EVENT,
-    EVENTS,
     GROWTH,
     HORIZON,
     INSTANT,
     INVERSE_MASS,
     INVERSE_MOMENTS,
     LARGEST,
+    LOOKS,
     MET_SINCE,
     MET_TIME,
     MOMENTUM,
@@ -57,8 +57,8 @@ from edmd.state import (
 from edmd.tolerances import (
     DRIFTED,
     EPOCH_COLLISIONS,
-    EPOCH_EVENTS,
     EPOCH_LEAST,
+    EPOCH_LOOKS,
     GROWTH_HORIZON,
     HORIZON_FREE_TIMES,
     INSTANT_SHARE,
@@ -73,12 +73,12 @@ def start_epoch(world):
     clock, tally, n = world.clock, world.tally, len(world.bodies)
     now, collisions = clock[NOW], tally[COLLISIONS] - tally[EPOCH_BEGAN]
     collisions -= tally[SPARED] - tally[EPOCH_SPARED]
-    missing = 0 if tally[EVENTS] >= tally[ENOUGH] else max(tally[NEXT_EPOCH] - tally[COLLISIONS], 0)
+    missing = 0 if tally[LOOKS] >= tally[ENOUGH] else max(tally[NEXT_EPOCH] - tally[COLLISIONS], 0)
     free_time = _free_time(now * n / 2.0, collisions, missing, clock)
     _close_the_books(world)
     tally[EPOCH_BEGAN], tally[EPOCH_SPARED] = tally[COLLISIONS], tally[SPARED]
     tally[NEXT_EPOCH] = tally[COLLISIONS] + max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
-    tally[ENOUGH] = tally[EVENTS] + EPOCH_EVENTS * (tally[NEXT_EPOCH] - tally[COLLISIONS])
+    tally[ENOUGH] = tally[LOOKS] + EPOCH_LOOKS * (tally[NEXT_EPOCH] - tally[COLLISIONS])
     clock[SIZE] = size_now(clock)
     clock[EPOCH] += now
     clock[NOW] = clock[ENERGY_SINCE] = clock[ENERGY_TIME] = clock[VIRIAL] = 0.0

@@ -60,13 +60,13 @@ def _single(x):
 
 
 @kernel
-def keep(blocks, slot, position, hull):
-    """Write a body into its slot of a cell. position: from the corner of the cell."""
+def keep(blocks, slot, position, own):
+    """Write a body with this hull into its slot of a cell. position: from the corner of the cell."""
     block, lane = blocks[slot // LANES], slot % LANES
     for k in range(3):
         block[PLACE_POSITION + k * LANES + lane] = position[k]
-        block[PLACE_AXIS + k * LANES + lane] = hull.axis[k]
-    block[PLACE_ACROSS + lane], block[PLACE_ALONG + lane], block[PLACE_MARGIN + lane] = hull.across, hull.along, hull.margin
+        block[PLACE_AXIS + k * LANES + lane] = own.axis[k]
+    block[PLACE_ACROSS + lane], block[PLACE_ALONG + lane], block[PLACE_MARGIN + lane] = own.across, own.along, own.margin
 
 
 @kernel

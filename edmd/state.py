@@ -72,7 +72,7 @@ CLOCK_ROW = 24
 
 # tally. ENTRIES: how many rows of the entries are taken. SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this
 # epoch). FAINT: weight of the last collisions in a row that were too faint to be told from rounding, the last of them of the FAINT_PAIR.
-# WATCHED: how many entries are to be watched in this event. ENOUGH: the epoch ends with this event at the latest
+# WATCHED: how many entries are to be watched in this event. ENOUGH: the epoch ends with this look at the latest
 (COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR,
  WATCHED, ENOUGH) = range(14)
 TALLY_ROW = 16

@@ -79,6 +79,13 @@ def test_a_burst_of_collisions_does_not_set_the_pace():
     assert simulation._world.tally[state.EVENTS] < 300 * simulation.collisions
 
 
+@pytest.mark.parametrize("axes", [(0.5, 0.5, 0.5), (1, 1, 2.0)])
+def test_epochs_of_a_dilute_gas_are_whole(axes):
+    """Though it makes a thousand lists a collision: only looks at pairs tell that bounds do not look far enough."""
+    simulation = edmd.Simulation(edmd.random_system(24, axes, 1e-3, seed=1)).run(collisions=150)
+    assert simulation._last.collisions == 4 * 24
+
+
 @pytest.mark.parametrize("axes", [(1, 1, 2.0), (1, 1, 0.5), (1, 1, 1.0)])
 def test_rough_bodies_turn_as_their_angular_velocities_say(axes):
     """Orientations between collisions, spin about the axis included, against small steps of dq/dt = w q / 2."""
