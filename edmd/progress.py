@@ -79,7 +79,8 @@ class Progress(Observer):
             self._bar.set_postfix_str(state, refresh=False)
             self._bar.update(pace.way - self._bar.n)
         else:
-            print(f"{self._label} {100 * pace.way:3.0f}%  {state}, about {pace.seconds_left:.0f} s left", file=sys.stderr, flush=True)
+            left = f", about {pace.seconds_left:.0f} s left" if pace.seconds_left < inf else ""          # not known at the start
+            print(f"{self._label} {100 * pace.way:3.0f}%  {state}{left}", file=sys.stderr, flush=True)
         self._shown = now
 
     def finish(self, view):
