@@ -82,16 +82,23 @@ def contact_function_and_normal(r, axes_a, axes_b, halvings=55):
     inverse = np.linalg.inv(axes_a)
     relative = inverse @ axes_b
     m, directions = np.linalg.eigh(relative @ relative.transpose(0, 2, 1))
-    c = np.einsum("kji,kjl,kl->ki", directions, inverse, r)
-    low, high = np.zeros(len(r)), np.ones(len(r))
+    c = (directions.transpose(0, 2, 1) @ (inverse @ r[:, :, None]))[:, :, 0]
+    x = _where_the_contact_function_is_largest(m.T.copy(), (c**2).T.copy(), halvings)
+    weighted = (x * (1 - x))[:, None] * c / ((1 - x)[:, None] + x[:, None] * m)
+    normal = inverse.transpose(0, 2, 1) @ (directions @ weighted[:, :, None])
+    return (weighted * c).sum(axis=1), normal[:, :, 0]
+
+
+def _where_the_contact_function_is_largest(m, squares, halvings):
+    """x (K,) in (0, 1) where its slope is zero, by halving; m and c^2 as (3, K)."""
+    low, high = np.zeros(m.shape[1]), np.ones(m.shape[1])
     for _ in range(halvings):
         x = 0.5 * (low + high)
-        under = (1 - x)[:, None] + x[:, None] * m
-        slope = (c**2 * ((1 - x)[:, None] ** 2 - x[:, None] ** 2 * m) / under**2).sum(axis=1)
-        low, high = np.where(slope > 0, x, low), np.where(slope > 0, high, x)
-    x = 0.5 * (low + high)
-    weighted = (x * (1 - x))[:, None] * c / ((1 - x)[:, None] + x[:, None] * m)
-    return (weighted * c).sum(axis=1), np.einsum("kij,kjl,kl->ki", inverse.transpose(0, 2, 1), directions, weighted)
+        y = 1 - x
+        slope = (squares * (y**2 - x**2 * m) / (y + x * m) ** 2).sum(axis=0)
+        rising = slope > 0
+        low, high = np.where(rising, x, low), np.where(rising, high, x)
+    return 0.5 * (low + high)
 
 
 def touching_scale(a, b, time):
