@@ -8,6 +8,7 @@ import numba
 import numpy as np
 import pytest
 import reference
+from cross_section import cross_section
 from pairs import assert_touches_there, bodies, meeting, single
 
 import ccd
@@ -164,8 +165,7 @@ def grazes():
     return a.pick(inside), b.pick(inside)
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("depth", DEPTHS)
+@pytest.mark.parametrize(("depth", "sign"), cross_section(DEPTHS, [1, -1]))
 def test_grazing_flights_are_told_apart_however_slight(grazes, depth, sign):
     a, at_zero = grazes
     b, _ = dense.graze(a, at_zero, 1.0, np.full(len(a), sign * depth), rounds=4)

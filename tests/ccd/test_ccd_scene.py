@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cross_section import some_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from paths import Interpolated, Rigid, overlaps
@@ -60,7 +61,7 @@ def brute_force(one, other, interpolant="rigid"):
 
 @pytest.mark.parametrize("shape", ["any", "needle", "plate", "sphere"])
 @pytest.mark.parametrize("interpolant", ["rigid", "affine"])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", some_of(range(5), [0]))
 def test_every_pair_is_what_sampling_finds(seed, interpolant, shape):
     """Without the bound every contact time; with it the earliest. A pair that was removed never touches. Counts add up."""
     one, other = frame(seed, shape=shape)

@@ -14,7 +14,7 @@ from twin import Twin, disagreement
 import edmd
 
 STRETCH = 10                                # collisions from one start of the twin to the next
-COLLISIONS = 30                             # of each shape
+COLLISIONS = 20                             # of each shape
 MANY, SEEDS = 2000, range(1, 6)             # behind the marker `validate`: so many from each of several starts
 # counts, semi-axes, masses of the species, packing fraction; the cells are about as small as the lists allow
 SHAPES = {

@@ -4,17 +4,19 @@ import fluids
 import independent
 import numpy as np
 import pytest
+from cross_section import cross_section, some_of
 
 import edmd
 
-EVENTS = 150                 # of the cheap shapes; a check of long and flat bodies costs ten times as much
+EVENTS = [60, 300]           # of the cheap shapes, the second behind `validate`; a check of long and flat bodies costs ten times as much
 CASES = {**{shape: (shape, 24, 0.45) for shape in fluids.SHAPES}, "needle": ((0.5, 0.5, 2.0), 24, 0.3), "plate": ((2.0, 2.0, 0.4), 32, 0.3)}
 
 
+@pytest.mark.parametrize("events", some_of(EVENTS, EVENTS[:1]))
 @pytest.mark.parametrize("case", CASES)
-def test_after_every_collision(case):
+def test_after_every_collision(case, events):
     simulation = edmd.Simulation(fluids.fluid(*CASES[case], seed=12))
-    for event in range(EVENTS if case in fluids.SHAPES else EVENTS // 10):
+    for event in range(events if case in fluids.SHAPES else events // 6):
         simulation.run(collisions=1)
         assert simulation.collisions == event + 1
         simulation.verify()
@@ -25,19 +27,18 @@ def test_between_collisions(case):
     """Also while bodies fly and lists are made anew."""
     simulation = edmd.Simulation(fluids.fluid(*CASES[case], seed=13)).run(collisions=100)
     span = simulation.time / 100 / 3.1
-    for _ in range(EVENTS // 5):
+    for _ in range(12):
         simulation.run(time=span)
         simulation.verify()
 
 
-@pytest.mark.parametrize("rate", [0.02, 1.0, -0.3])
-@pytest.mark.parametrize("case", ["sphere", "oblate", "triaxial"])
+@pytest.mark.parametrize(("case", "rate"), cross_section(["sphere", "oblate", "triaxial"], [0.02, 1.0, -0.3]))
 def test_while_the_bodies_grow(case, rate):
     simulation = edmd.Simulation(fluids.fluid(CASES[case][0], 24, 0.40, seed=14))
     seen = []
 
     def look(view):
-        if len(seen) < EVENTS // 5:
+        if len(seen) < 30:
             view._simulation.verify()
         seen.append(view.packing_fraction)
 
@@ -54,7 +55,7 @@ def test_near_jamming(case):
     """At a reduced pressure of 1e6 gaps are 1e-6 of a body: the lists, the predictions and the contacts still hold."""
     simulation = edmd.Simulation(fluids.fluid(CASES[case][0], 32, 0.45, seed=15))
     simulation.compress(0.05, until_pressure=1e6)
-    for _ in range(15):
+    for _ in range(8):
         simulation.run(collisions=17)
         simulation.verify()
         assert independent.smallest_scale(simulation.system) > 1 - 1e-11
@@ -80,8 +81,8 @@ def test_mixture_of_sizes_shapes_and_masses():
                                          species=start.species), 5)
     simulation = edmd.Simulation(start)
     translation, rotation = independent.energies(simulation.system)
-    for _ in range(50):
-        simulation.run(collisions=3)
+    for _ in range(20):
+        simulation.run(collisions=7)
         simulation.verify()
         assert independent.smallest_scale(simulation.system) > 1 - 1e-12
     after, turned = independent.energies(simulation.system)

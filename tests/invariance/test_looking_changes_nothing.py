@@ -76,7 +76,7 @@ def test_observers(undisturbed, when):
 
 def test_trajectory(undisturbed, tmp_path):
     shape, run = undisturbed
-    with edmd.Trajectory(tmp_path / "run.h5md", edmd.Every(collisions=11)) as trajectory:
+    with edmd.Trajectory(tmp_path / "run.h5md", edmd.Every(collisions=47)) as trajectory:
         simulation = finished(shape).run(collisions=COLLISIONS, observers=[trajectory])
     assert_same_run(simulation, run)
 
@@ -84,8 +84,8 @@ def test_trajectory(undisturbed, tmp_path):
 def test_reading_and_verifying_between_blocks(undisturbed, tmp_path):
     shape, run = undisturbed
     simulation = finished(shape)
-    for _ in range(30):
-        simulation.run(collisions=COLLISIONS // 30)
+    for _ in range(8):
+        simulation.run(collisions=COLLISIONS // 8)
         copy = simulation.system
         copy.positions += 1.0
         copy.orientations[:] = 0.0

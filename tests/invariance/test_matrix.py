@@ -11,6 +11,7 @@ from typing import NamedTuple
 import independent
 import numpy as np
 import pytest
+from cross_section import few_of
 
 import edmd
 
@@ -54,18 +55,7 @@ OPTIONS = {
 ALL = [dict(zip(OPTIONS, choice)) for choice in product(*OPTIONS.values())]
 
 
-def in_pairs(combinations_left):
-    """A few of the combinations, in which every pair of choices of two options occurs; greedily, always the same."""
-    def pairs(chosen):
-        return set(combinations(chosen.items(), 2))
-    missing, taken = set().union(*map(pairs, combinations_left)), []
-    while missing:
-        taken.append(max(combinations_left, key=lambda chosen: len(pairs(chosen) & missing)))
-        missing -= pairs(taken[-1])
-    return taken
-
-
-IN_SUITE = in_pairs(ALL)
+IN_SUITE = [ALL[k] for k in few_of([tuple(chosen.items()) for chosen in ALL], together=2)]
 
 
 def named(chosen):

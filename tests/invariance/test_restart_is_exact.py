@@ -4,6 +4,7 @@ import fluids
 import independent
 import numpy as np
 import pytest
+from cross_section import cross_section
 
 import edmd
 
@@ -43,8 +44,7 @@ def assert_same(a, b):
         assert x == y or (x != x and y != y), name
 
 
-@pytest.mark.parametrize("stage", STAGES)
-@pytest.mark.parametrize("shape", [*fluids.SHAPES, "mixture"])
+@pytest.mark.parametrize(("shape", "stage"), cross_section([*fluids.SHAPES, "mixture"], STAGES))
 def test_restart(shape, stage, tmp_path):
     simulation = STAGES[stage](mixture() if shape == "mixture" else fresh(shape))
     simulation.save(tmp_path / "state")
@@ -141,8 +141,7 @@ class Always(edmd.Schedule):
         return True
 
 
-@pytest.mark.parametrize("course", COURSES)
-@pytest.mark.parametrize("shape", ["sphere", "triaxial", "mixture"])
+@pytest.mark.parametrize(("shape", "course"), cross_section(["sphere", "triaxial", "mixture"], COURSES))
 def test_resumed_in_the_course_of_a_run(shape, course, tmp_path):
     """Saved while it goes on, at several moments; every one of them ends as the run did."""
     simulation, saved = mixture() if shape == "mixture" else fresh(shape), []

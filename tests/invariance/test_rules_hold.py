@@ -5,6 +5,7 @@ import granular
 import independent
 import numpy as np
 import pytest
+from cross_section import cross_section
 from test_restart_is_exact import assert_same
 
 import edmd
@@ -19,8 +20,7 @@ def gas(rule, shape="prolate", n=32, packing_fraction=0.4):
     return edmd.Simulation(fluids.fluid(shape, n, packing_fraction, seed=6), rule=RULES[rule])
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize(("rule", "shape"), cross_section(RULES, SHAPES))
 def test_after_every_collision(rule, shape):
     simulation = gas(rule, shape, 24)
     start = independent.momentum(simulation.system)
@@ -32,9 +32,7 @@ def test_after_every_collision(rule, shape):
     assert simulation.temperature < 0.9
 
 
-@pytest.mark.parametrize("rate", [0.1, -0.2])
-@pytest.mark.parametrize("rule", ["inelastic", "rough"])
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(("rule", "shape", "rate"), cross_section(["inelastic", "rough"], SHAPES, [0.1, -0.2], together=2))
 def test_while_the_bodies_grow(rule, shape, rate):
     """The work of the surfaces and the loss are both accounted for, tangential impulses and moments of inertia that grow included."""
     simulation, seen = gas(rule, shape, 24), []
@@ -50,8 +48,7 @@ def test_while_the_bodies_grow(rule, shape, rate):
     simulation.run(collisions=100).verify()
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize(("rule", "shape"), cross_section(RULES, SHAPES))
 def test_restart(rule, shape, tmp_path):
     simulation = gas(rule, shape).run(collisions=333)
     simulation.save(tmp_path / "state")
