@@ -25,8 +25,15 @@ def camera(view):
     return np.cross(up, toward), up
 
 
+@pytest.fixture
+def few_lamps(monkeypatch):
+    """They take most of the time, and what these tests look at does not depend on them."""
+    monkeypatch.setattr("analysis.shading.SKY_LAMPS", 6)
+    monkeypatch.setattr("analysis.shading.KEY_LAMPS", 2)
+
+
 @pytest.mark.parametrize("view", [(0.42, -1, 0.36), (0, 0, 1), (1, 0, 0), (-2, 1, -3)])
-def test_the_silhouette_has_the_projected_area(view):
+def test_the_silhouette_has_the_projected_area(view, few_lamps):
     """pi sqrt(m^T adj(S) m), S = R diag(axes^2) R^T; the scale is known since the silhouette fills the picture but for 3 %."""
     q = random_quaternions(np.random.default_rng(3), 1)
     axes = np.array([[1.0, 0.5, 0.3]])
@@ -45,7 +52,7 @@ def test_the_silhouette_has_the_projected_area(view):
 
 
 @pytest.mark.parametrize("view", [(0.42, -1, 0.36), (-1, -2, 0.5), (1, 1, -0.4)])
-def test_nothing_is_mirrored(view):
+def test_nothing_is_mirrored(view, few_lamps):
     """Four small balls stand where a right-handed camera puts them: black at the origin; red, green and blue along x, y and z."""
     positions = np.concatenate([np.zeros((1, 3)), 2 * np.eye(3)])
     paint = np.array([0 * RED, RED, GREEN, BLUE])
@@ -61,7 +68,7 @@ def test_nothing_is_mirrored(view):
         assert moved @ expected / np.linalg.norm(moved) / np.linalg.norm(expected) > 0.99, name
 
 
-def test_the_nearer_body_hides_the_other():
+def test_the_nearer_body_hides_the_other(few_lamps):
     positions = np.array([[0, -3.0, 0], [0, 3.0, 0]])
     bodies = positions, np.tile(UPRIGHT, (2, 1)), np.array([[0.5] * 3, [1.0] * 3])
     front = analysis.image(bodies, np.array([RED, BLUE]), size=(80, 80), view=(0, -1, 0))
@@ -87,7 +94,7 @@ def test_a_body_in_the_way_of_the_light_casts_a_shadow():
     assert brightness_of_the_red_one([-1.35, -1.92, 1.86]) < brightness_of_the_red_one([1.35, -1.92, 1.86]) - 15
 
 
-def test_the_cell_has_dark_edges():
+def test_the_cell_has_dark_edges(few_lamps):
     bodies = np.array([[5.0, 5, 5]]), UPRIGHT, np.full((1, 3), 0.5)
     pixels = analysis.image(bodies, GREY, cell=10 * np.eye(3), size=(400, 400), view=(0, 0, 1))
     for row in (pixels[200], pixels[:, 200]):  # the cell's side is 1/1.03 of the picture's
@@ -134,7 +141,7 @@ def test_render_writes_a_png(run, tmp_path, colour):
     assert 0.15 < (pixels.min(axis=2) < 0.97).mean() < 0.9
 
 
-def test_render_shows_the_frame_that_was_asked_for_and_leaves_the_universe_there(run, tmp_path):
+def test_render_shows_the_frame_that_was_asked_for_and_leaves_the_universe_there(run, tmp_path, few_lamps):
     universe = mda.Universe(run)
     pictures = []
     for frame in (0, 1, -1):
@@ -143,13 +150,6 @@ def test_render_shows_the_frame_that_was_asked_for_and_leaves_the_universe_there
         assert universe.trajectory.frame == 0
     assert np.abs(pictures[0] - pictures[1]).max() > 0.2
     np.testing.assert_array_equal(pictures[1], pictures[2])
-
-
-@pytest.fixture
-def few_lamps(monkeypatch):
-    """They take most of the time, and what these tests look at does not depend on them."""
-    monkeypatch.setattr("analysis.shading.SKY_LAMPS", 6)
-    monkeypatch.setattr("analysis.shading.KEY_LAMPS", 2)
 
 
 def test_a_series_is_drawn_with_one_camera(tmp_path, few_lamps):

@@ -77,7 +77,7 @@ def test_a_hundred_radians_are_one_step(family):
 @pytest.mark.parametrize("family", ["needle", "needle without spin", "plate", "axis"])
 def test_needles_plates_and_turns_about_an_axis(family, angle):
     """Rounding of a momentum across a needle makes it spin at L over the smallest moment times the rounding: that counts."""
-    q, momentum, inverse, w = bodies(family, 6)
+    q, momentum, inverse, w = bodies(family, 3)
     error = tops.distance(turned(q, momentum, inverse, angle / w), tops.turned(q, momentum, inverse, angle / w)[0])
     assert (error < precision(angle * np.linalg.norm(momentum, axis=1) * inverse.max(axis=1) / w)).all()
 
@@ -218,7 +218,7 @@ def test_angular_velocity_and_momentum_belong_together():
 
 # bounds
 
-def course(family, n=6, turns=20.0, samples=120):
+def course(family, n=3, turns=20.0, samples=120):
     """w (samples, n, 3) and dw/dt in the frames of the bodies, over a long time, by the oracle."""
     q, momentum, inverse, w = bodies(family, n)
     x, step = tops.in_body(q, momentum), turns / w / samples

@@ -4,6 +4,7 @@ import fluids
 import independent
 import numpy as np
 import pytest
+from cross_section import cross_section
 
 import edmd
 
@@ -20,9 +21,7 @@ def aged(shape="prolate", rule="elastic"):
     return edmd.Simulation(edmd.thermalized(start, 3, spin="counted" if rule == "rough" else "drawn"), rule=RULES[rule]).run(collisions=333)
 
 
-@pytest.mark.parametrize("rule", RULES)
-@pytest.mark.parametrize("shape", [*fluids.SHAPES, "mixture"])
-@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize(("change", "shape", "rule"), cross_section(CHANGES, [*fluids.SHAPES, "mixture"], RULES))
 def test_the_temperature_is_the_wanted_one_and_the_run_goes_on(change, shape, rule):
     simulation = aged(shape, rule)
     before, time = simulation.system, simulation.time

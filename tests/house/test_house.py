@@ -8,6 +8,7 @@ import resource
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -203,11 +204,16 @@ def test_every_rule_has_its_file_and_its_line_in_the_docs():
         assert f'"{rule.name.lower()}"' in told, f"{rule.name} is not in docs/granular.md"
 
 
+@cache
+def attributes_named(path):
+    """(name, attribute) of each attribute of a plain name in a file."""
+    return {(node.value.id, node.attr) for node in ast.walk(ast.parse(path.read_text()))
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)}
+
+
 @pytest.mark.parametrize(("kind", "name"), members(), ids=lambda value: value if isinstance(value, str) else value.__name__)
 def test_every_word_of_the_vocabulary_is_spoken(kind, name):
     """A member of an enum has its branch somewhere in the code: a member that nobody names is dead, or a forgotten case."""
     defined = None if kind.__name__ == "RuleKind" else Path(sys.modules[kind.__module__].__file__)     # rules: side by side
-    spoken = [path for path in SOURCES if path != defined and any(
-        isinstance(node, ast.Attribute) and node.attr == name and getattr(node.value, "id", "") == kind.__name__
-        for node in ast.walk(ast.parse(path.read_text())))]
+    spoken = [path for path in SOURCES if path != defined and (kind.__name__, name) in attributes_named(path)]
     assert spoken, f"no code names {kind.__name__}.{name}"

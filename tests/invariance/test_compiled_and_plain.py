@@ -7,35 +7,44 @@ import sys
 import numpy as np
 import pytest
 
+import edmd
+
 RUN = """
 import sys, numpy as np, edmd
-simulation = edmd.Simulation(edmd.lattice("fcc", eval(sys.argv[1]), 0.35, (2, 2, 2), seed=3), rule=eval(sys.argv[3]))
-simulation.run(collisions=80)
-simulation.compress(0.05, until_packing_fraction=0.36)
-end = simulation.system
-np.save(sys.argv[2], np.hstack([end.positions, end.orientations, end.velocities, end.angular_velocities]))
+from test_compiled_and_plain import final_state
+np.save(sys.argv[2], final_state(eval(sys.argv[1]), eval(sys.argv[3])))
 """
 
 
-def final_state(axes, folder, rule="None", **environment):
-    path = folder / f"{'-'.join(environment) or 'compiled'}.npy"
-    subprocess.run([sys.executable, "-c", RUN, repr(axes), str(path), rule], check=True, env=os.environ | environment)
+def final_state(axes, rule=None):
+    """Where all bodies are after a short run and a little growth, and how they move."""
+    simulation = edmd.Simulation(edmd.lattice("fcc", axes, 0.35, (2, 2, 2), seed=3), rule=rule)
+    simulation.run(collisions=50)
+    end = simulation.compress(0.05, until_packing_fraction=0.354).system
+    return np.hstack([end.positions, end.orientations, end.velocities, end.angular_velocities])
+
+
+def final_state_elsewhere(axes, folder, rule="None", **environment):
+    """The same in a process with other settings of the compiler."""
+    path = folder / "end.npy"
+    subprocess.run([sys.executable, "-c", RUN, repr(axes), str(path), rule], check=True,
+                   env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))} | environment)
     return np.load(path)
 
 
 @pytest.mark.parametrize("axes", [(1, 1, 1), (1, 1, 1.5), (1, 1, 0.6), (1.25, 1, 0.8)])
 def test_plain_python(axes, tmp_path):
-    assert np.array_equal(final_state(axes, tmp_path), final_state(axes, tmp_path, NUMBA_DISABLE_JIT="1"))
+    assert np.array_equal(final_state(axes), final_state_elsewhere(axes, tmp_path, NUMBA_DISABLE_JIT="1"))
 
 
 @pytest.mark.parametrize("rule", ["edmd.Rough(0.9, 0.5, contact_share=0.02)", "edmd.PowerLaw(0.6)"])
 def test_plain_python_under_a_rule(rule, tmp_path):
-    assert np.array_equal(final_state((1, 1, 1.5), tmp_path, rule), final_state((1, 1, 1.5), tmp_path, rule, NUMBA_DISABLE_JIT="1"))
+    assert np.array_equal(final_state((1, 1, 1.5), eval(rule)), final_state_elsewhere((1, 1, 1.5), tmp_path, rule, NUMBA_DISABLE_JIT="1"))
 
 
 @pytest.mark.validate
 @pytest.mark.parametrize("axes", [(1, 1, 1), (1, 1, 1.5), (1.25, 1, 0.8)])
 def test_every_index_is_inside_its_array(axes, tmp_path):
     """In a cache of its own: numba takes compiled code from a cache whether its indices are checked or not."""
-    checked = final_state(axes, tmp_path, NUMBA_BOUNDSCHECK="1", EDMD_CACHE_DIR=str(tmp_path))
-    assert np.array_equal(final_state(axes, tmp_path), checked)
+    checked = final_state_elsewhere(axes, tmp_path, NUMBA_BOUNDSCHECK="1", EDMD_CACHE_DIR=str(tmp_path))
+    assert np.array_equal(final_state(axes), checked)
