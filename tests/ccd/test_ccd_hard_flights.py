@@ -3,11 +3,13 @@
 None missed, none invented, none unresolved.
 """
 
+from functools import cache
+
 import dense
 import exact
 import numpy as np
 import pytest
-from cross_section import some_of
+from cross_section import cross_section
 from dense import Flights
 from pairs import bodies, meeting, single
 
@@ -133,10 +135,10 @@ def test_bodies_that_start_one_inside_the_other_overlap(inside):
 GRAZING = {"steady": ((0.15, 3), 0.0), "long": ((0.1, 10), 0.0), "growing": ((0.15, 3), 0.3), "shrinking": ((0.15, 3), -0.3)}
 
 
-@pytest.fixture(scope="module", params=GRAZING, ids=GRAZING.keys())
-def grazes(request):
+@cache
+def grazes(kind):
     """Pairs of touching scale 1 at the deepest point of their flights, well inside the window."""
-    axes, growth = GRAZING[request.param]
+    axes, growth = GRAZING[kind]
     a, b = meeting(np.random.default_rng(43), 28, axes, growth=abs(growth))
     if growth < 0:
         a.growth_rate, b.growth_rate = -np.abs(a.growth_rate), -np.abs(b.growth_rate)
@@ -145,9 +147,9 @@ def grazes(request):
     return a.pick(regular), b.pick(regular)
 
 
-@pytest.mark.parametrize("depth", some_of([1e-3, 1e-5, 1e-7, 1e-9], [1e-3, 1e-9]))
-def test_grazing_flights_of_every_kind_are_told_apart(grazes, depth):
-    a, at_zero = grazes
+@pytest.mark.parametrize(("kind", "depth"), cross_section(GRAZING, [1e-3, 1e-5, 1e-7, 1e-9]))
+def test_grazing_flights_of_every_kind_are_told_apart(kind, depth):
+    a, at_zero = grazes(kind)
     for sign in (1, -1):
         b, _ = dense.graze(a, at_zero, 1.0, np.full(len(a), sign * depth), rounds=3, samples=120)
         deepest = dense.deepest(a, b, 1.0)[1]
@@ -181,7 +183,7 @@ def test_a_graze_of_a_billionth_is_one_to_many_digits(sign):
     b, _ = dense.graze(a, b, 1.0, np.full(8, sign * 1e-9), rounds=14)
     time, _ = dense.deepest(a, b, 1.0)
     seen, step = 0, 1e-4
-    for k in np.flatnonzero((time > 0.05) & (time < 0.95))[:4]:
+    for k in np.flatnonzero((time > 0.05) & (time < 0.95))[:2]:
         low, middle, high = (exact_scale(a, b, k, time[k] + shift) - 1 for shift in (-step, 0, step))
         bend = low + high - 2 * middle
         vertex = float(middle - (high - low) ** 2 / (8 * bend))
@@ -191,4 +193,4 @@ def test_a_graze_of_a_billionth_is_one_to_many_digits(sign):
         assert found.status == (Status.CONTACT if sign > 0 else Status.NO_CONTACT)
         assert found.reason == ""
         seen += 1
-    assert seen == 4
+    assert seen == 2

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from cross_section import cross_section
 from determinants import changes_at, rigid
 from paths import overlaps, speed
 from rational_pairs import EXAMPLE_1, ROOT2, SHAPES, affine, crossing, interpolated, pair, resting, shifted, turning
@@ -76,8 +77,7 @@ KINDS = {
 }
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("kind", "shape"), cross_section(KINDS, SHAPES))
 def test_random_pairs_have_the_intervals_that_sampling_finds(kind, shape):
     """130 pairs of each kind, 4550 with the interpolants: none missed, none invented, none UNRESOLVED."""
     a, b = KINDS[kind](np.random.default_rng(list(map(ord, kind + shape))), 130, shape)

@@ -39,9 +39,9 @@ def same(found, expected, precision):
 
 @pytest.mark.parametrize(("seed", "axes", "spin", "growth"), [(31, (0.3, 2), 6, 0.0), (32, (0.8, 1.2), 6, 0.3), (33, (0.1, 2), 3, -0.3)])
 def test_random_tops_miss_no_contact_and_invent_none(seed, axes, spin, growth):
-    a, b = (free(each) for each in meeting(np.random.default_rng(seed), 40, axes, spin, growth=abs(growth)))
+    a, b = (free(each) for each in meeting(np.random.default_rng(seed), 24, axes, spin, growth=abs(growth)))
     expected, depth = dense.first_contact(integrated(a, 1.0), integrated(b, 1.0), 1.0, samples=200)
-    assert 8 < np.isfinite(expected).sum() < 38
+    assert 5 < np.isfinite(expected).sum() < 22
     assert (np.abs(depth - 1) > 1e-6).all()                                  # nothing that the oracle cannot tell
     status = np.where(expected == 0, Status.OVERLAPPING, np.where(np.isfinite(expected), Status.CONTACT, Status.NO_CONTACT))
     same(ccd.batch.first_contact(a, b), (expected, status), 1e-9)

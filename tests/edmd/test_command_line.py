@@ -86,7 +86,8 @@ def test_verify(packed, capsys):
 
 
 @pytest.mark.parametrize(("command", "suffix"), [("plot", "plot"), ("render", "picture")])
-def test_pictures(packed, capsys, tmp_path, command, suffix):
+def test_pictures(packed, capsys, tmp_path, monkeypatch, command, suffix):
+    monkeypatch.setattr("analysis.shading.SKY_LAMPS", 6)             # they take most of the time
     path = tmp_path / "copy.h5md"
     path.write_bytes(packed[0].read_bytes())
     more = ["--size", "120", "100"] if command == "render" else []

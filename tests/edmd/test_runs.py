@@ -25,7 +25,7 @@ from edmd.trajectory import read_system, verify_file
 ROOT = Path(__file__).parents[2]
 DOCUMENT = {
     "seed": 3, "system": {"kind": "random", "n": [20, 12], "semi_axes": [[1, 1, 2], [0.8, 0.8, 0.8]], "packing_fraction": 0.35},
-    "stage": [{"kind": "run", "collisions_per_particle": 30, "frames": {"time": 0.25}},
+    "stage": [{"kind": "run", "collisions_per_particle": 60, "frames": {"time": 0.25}},
               {"kind": "compress", "rate": 0.05, "until_pressure": 1e3, "frames": {"packing_fraction": 0.01, "pressure_factor": 1.5}},
               {"kind": "compress", "rate": -0.1, "until_packing_fraction": 0.45},
               {"kind": "run", "time": 5.0, "frames": {"time": 0.01, "per_decade": 8}}]}
@@ -74,7 +74,7 @@ def interrupted(path, moment, act, checkpoint=1e-9):
 def test_a_run_is_its_stages_by_hand(whole):
     path, simulation = whole
     system = edmd.random_system([20, 12], [(1, 1, 2), (0.8, 0.8, 0.8)], 0.35, seed=3)
-    by_hand = edmd.Simulation(system).run(collisions_per_particle=30).compress(0.05, until_pressure=1e3)
+    by_hand = edmd.Simulation(system).run(collisions_per_particle=60).compress(0.05, until_pressure=1e3)
     by_hand.compress(-0.1, until_packing_fraction=0.45).run(time=5.0)
     assert independent.same_bits(simulation.system, by_hand.system)
     assert simulation.pressure == by_hand.pressure
@@ -205,7 +205,7 @@ def test_a_full_disk(whole, tmp_path):
     path, config = tmp_path / "run.h5md", tmp_path / "run.toml"
     config.write_text(config_text(DOCUMENT))
     process = command("run", config, "-o", path, "--quiet", "--set", "output.checkpoint=0.01",
-                      preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, 500_000)))
+                      preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (600_000, 600_000)))
     told = process.communicate()[1]
     assert process.returncode == 1
     assert "Traceback" not in told

@@ -107,7 +107,7 @@ def test_pressure_belongs_to_the_interval_that_ends_at_the_frame(run):
 
 def test_unwrapped_paths_are_continuous(tmp_path):
     with edmd.Trajectory(tmp_path / "run.h5md", edmd.Every(time=0.05)) as trajectory:
-        simulation = edmd.Simulation(fluids.fluid("prolate", 32, 0.3)).run(time=25.0, observers=[trajectory])
+        simulation = edmd.Simulation(fluids.fluid("prolate", 32, 0.3)).run(time=10.0, observers=[trajectory])
     with h5py.File(tmp_path / "run.h5md") as file:
         group = file["particles/trajectory"]
         wrapped = group["position/value"][:]
