@@ -79,7 +79,7 @@ def test_a_random_walk_is_isotropic_and_grows_as_the_time(tmp_path):
 def test_errors_are_what_means_of_other_bodies_differ_by(tmp_path):
     """Of many random walks in copies of a run: the spread of the means is the error, which each run tells by itself."""
     rng = np.random.default_rng(31)
-    copies, n, frames = 60, 80, 12
+    copies, n, frames = 30, 80, 12
     found = []
     for copy in range(copies):
         walk = np.cumsum(0.3 * rng.normal(size=(frames, n, 3)), axis=0)

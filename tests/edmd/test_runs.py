@@ -4,6 +4,7 @@ import json
 import os
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -251,6 +252,15 @@ def test_a_packing_is_resumed_like_any_run(tmp_path):
     assert datasets(tmp_path / "run.h5md") == datasets(tmp_path / "straight.h5md")
 
 
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    """The folder of a run that was interrupted."""
+    folder = tmp_path_factory.mktemp("stopped")
+    with pytest.raises(KeyboardInterrupt):
+        interrupted(folder / "run.h5md", 20, lambda: signal.raise_signal(signal.SIGINT), checkpoint=3600)
+    return folder
+
+
 def half(path, whole):
     path.write_bytes(whole[:len(whole) // 2])
 
@@ -292,17 +302,15 @@ def not_of_a_config(path, whole):
     (checkpoint_half, "not a state"), (checkpoint_no_checkpoint, "no checkpoint"), (not_of_a_config, "not written by `edmd run`"),
     (lambda path, whole: path.unlink(), "no such file"), (lambda path, whole: path.write_text("hello"), "not an HDF5 file"),
 ])
-def test_resume_of_files_that_are_not_whole(damage, words, tmp_path, capsys):
-    path = tmp_path / "run.h5md"
-    with pytest.raises(KeyboardInterrupt):
-        interrupted(path, 20, lambda: signal.raise_signal(signal.SIGINT), checkpoint=3600)
+def test_resume_of_files_that_are_not_whole(stopped, damage, words, tmp_path, capsys):
+    path = shutil.copytree(stopped, tmp_path / "copy") / "run.h5md"
     damage(path, path.read_bytes())
-    before = {beside: beside.read_bytes() for beside in tmp_path.iterdir()}
+    before = {beside: beside.read_bytes() for beside in path.parent.iterdir()}
     assert main(["resume", str(path)]) == 2
     told = capsys.readouterr().err
     assert words in told
     assert len(told.strip().splitlines()) == 1
-    assert {beside: beside.read_bytes() for beside in tmp_path.iterdir()} == before
+    assert {beside: beside.read_bytes() for beside in path.parent.iterdir()} == before
 
 
 def test_resume_of_a_run_that_is_complete_or_going_on(whole, tmp_path, capsys):

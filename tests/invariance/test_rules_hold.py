@@ -24,7 +24,7 @@ def gas(rule, shape="prolate", n=32, packing_fraction=0.4):
 def test_after_every_collision(rule, shape):
     simulation = gas(rule, shape, 24)
     start = independent.momentum(simulation.system)
-    for _ in range(25):
+    for _ in range(15):
         simulation.run(collisions=1)
         simulation.verify()
     assert independent.momentum(simulation.system) == pytest.approx(start, abs=1e-13)

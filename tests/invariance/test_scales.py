@@ -13,7 +13,7 @@ import edmd
 from edmd.state import ORIENTATION
 
 SHAPES = list(fluids.SHAPES)
-AGES = [200_000, 10_000_000]            # in collisions, the second behind `validate`
+AGES = [100_000, 10_000_000]            # in collisions, the second behind `validate`
 
 
 def scaled(system, length=1.0, mass=1.0, energy=1.0):
