@@ -182,7 +182,7 @@ def first_root(p, c):
         if right - left > CLIPS_WELL:
             right = 0.5 * (left + right)
         restrict(c, left, right)
-        low += left * width
+        low = min(low + left * width, 1.0)                              # rounding could take it past the end
         width *= right - left
     return low
 
