@@ -22,7 +22,7 @@ demo: .venv/installed
 	$(BIN)/python examples/demo.py $(DEMO)
 
 test: .venv/installed-for-tests
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 validate: .venv/installed-for-tests
 	$(BIN)/python -m pytest -m validate
