@@ -8,6 +8,7 @@ import resource
 import shutil
 import subprocess
 import sys
+import tomllib
 from functools import cache
 from pathlib import Path
 
@@ -193,6 +194,11 @@ def members():
     from edmd.rules.kinds import RuleKind
 
     return [(kind, member.name) for kind in (EventKind, Ended, RuleKind, State, Status) for member in kind]
+
+
+def test_every_folder_of_tests_is_run():
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["pytest"]["ini_options"]
+    assert {ROOT / path for path in settings["testpaths"]} == {path.parent for path in (ROOT / "tests").rglob("test_*.py")}
 
 
 def test_every_rule_has_its_file_and_its_line_in_the_docs():
