@@ -8,7 +8,7 @@ from cross_section import cross_section, some_of
 
 import edmd
 
-EVENTS = [36, 300]           # of the cheap shapes, the second behind `validate`; a check of long and flat bodies costs ten times as much
+EVENTS = [24, 300]           # of the cheap shapes, the second behind `validate`; a check of long and flat bodies costs ten times as much
 CASES = {**{shape: (shape, 24, 0.45) for shape in fluids.SHAPES}, "needle": ((0.5, 0.5, 2.0), 24, 0.3), "plate": ((2.0, 2.0, 0.4), 32, 0.3)}
 
 
