@@ -103,7 +103,7 @@ def test_a_worker_is_killed_and_then_the_scheduler(at_once, tmp_path):
 def test_interrupted(tmp_path):
     """Ctrl-C: the two runs under way on the cluster end after a last checkpoint, and the third is not begun."""
     directory, file = tmp_path / "sweep", tmp_path / "sweep.toml"
-    file.write_text(CONFIG.format(directory=directory).replace("[0.02, 0.05]", "[0.02, 0.03, 0.04]"))
+    file.write_text(CONFIG.format(directory=directory).replace("[0.02, 0.05]", "[0.0005, 0.0006, 0.0007]"))   # slow: two at a time
     with cluster(tmp_path) as (address, *_):
         process = command(str(file), "--scheduler", address)
         wait_for(lambda: len(under_way(directory)) == 2)
