@@ -12,7 +12,7 @@ from edmd.events import Ended
 from edmd.flight import advance_all, set_shapes, turn_still
 from edmd.inertia import angular_momenta, motions, rotational_degrees
 from edmd.neighbors import DONE, copy_entries
-from edmd.rules.kinds import KIND, ROUGH, rule_row
+from edmd.rules.kinds import CONTACT_SHARE, KIND, LEAST_CONTACT_TIME, ROUGH, rule_row
 from edmd.state import Calendar, Cells, Contacts, Grid, Lists, World
 from edmd.system import wrap
 from edmd.tolerances import (
@@ -24,6 +24,7 @@ from edmd.tolerances import (
     EPOCH_LOOKS,
     LIST_ROOM,
     MARGIN,
+    MARGIN_OF_SPHERES,
     NARROWEST,
     REFINE_BELOW,
     SPARE,
@@ -35,8 +36,9 @@ from edmd.tolerances import (
 def build_world(system, rule):
     """A World at time 0 with lists and predictions made. The bodies must not overlap (the caller has checked)."""
     n = system.n
-    contacts = Contacts(rule_row(rule), np.full(n, -np.inf))
-    kinds, kind = _kind_rows(system, contacts.rule[KIND] == ROUGH)
+    row = rule_row(rule)
+    contacts = Contacts(row, np.full(n if row[LEAST_CONTACT_TIME] > 0 or row[CONTACT_SHARE] > 0 else 0, -np.inf))
+    kinds, kind = _kind_rows(system, row[KIND] == ROUGH)
     kinds[:, state.LEVEL] = _levels(kinds)
     bodies, turns = _body_rows(system, kinds, kind)
     longest = kinds[:, state.LARGEST] + kinds[:, state.MARGIN_LENGTH]
@@ -163,8 +165,14 @@ def _kind_rows(system, rough):
     long = middle * middle * large <= large * large * small              # of the hulls about the longest and the shortest axis
     rows[:, state.HULL] = np.where(long, semi_axes.argmax(axis=1), semi_axes.argmin(axis=1))
     rows[:, state.HULL_ACROSS], rows[:, state.HULL_ALONG] = np.where(long, middle, large)**2, np.where(long, large, small)**2
-    rows[:, state.MARGIN_LENGTH] = MARGIN * _cube_root(semi_axes.prod(axis=1))
+    rows[:, state.MARGIN_LENGTH] = margin_lengths(semi_axes)
     return rows, kind.ravel()
+
+
+def margin_lengths(semi_axes):
+    """The margins (n,) of the neighbourhoods of bodies with these semi-axes (n, 3)."""
+    sphere = semi_axes.max(axis=1) == semi_axes.min(axis=1)
+    return np.where(sphere, MARGIN_OF_SPHERES, MARGIN) * _cube_root(semi_axes.prod(axis=1))
 
 
 def _cube_root(x):
@@ -254,12 +262,12 @@ def _empty_cells(levels, reaches, cells, n, room):
 
 
 def _with_roomy_cells(world):
-    """The same world with twice the room in every cell of its grids, if one of them is full."""
+    """The same world with more room in every cell of its grids, if one of them is full."""
     old = world.cells
     cells, room = old.bodies.shape
     if (old.count < room).all():
         return world
-    new = _empty_cells(old.levels, old.reaches, cells, len(old.where), 2 * room)
+    new = _empty_cells(old.levels, old.reaches, cells, len(old.where), room + room // 3)
     new.places[:, :old.places.shape[1]], new.bodies[:, :room], new.count[:], new.where[:] = old.places, old.bodies, old.count, old.where
     return world._replace(cells=new)
 

@@ -86,12 +86,13 @@ def start_epoch(world):
         world.bodies[body, TIME] -= now
         world.turns[body, MET_TIME] -= now
         world.turns[body, MET_SINCE] -= now
-        world.contacts.last[body] -= now
         world.anchors[body, ESCAPE_TIME] -= now
         begin = int(world.lists.spans[body, BEGIN])
         for entry in range(begin, begin + int(world.lists.spans[body, COUNT])):
             world.lists.numbers[entry, EVENT] -= now
             world.lists.numbers[entry, SINCE] -= now
+    for body in range(len(world.contacts.last)):
+        world.contacts.last[body] -= now
     for place in range(len(world.calendar.time)):
         world.calendar.time[place] -= now
     if free_time > 0:

@@ -12,8 +12,8 @@ import numpy as np
 from ccd import checks
 from ccd.annotations import ArrayLike
 from ccd.contacts import contact_functions
+from edmd.building import margin_lengths
 from edmd.system import System
-from edmd.tolerances import MARGIN
 from edmd.velocities import thermalized
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def crystal(n, semi_axes, start_fraction=None, seed=0):
     full = lattice("fcc", semi_axes, start_fraction * sites / n, cells, seed)
     stay = np.sort(np.random.default_rng(seed).permutation(sites)[:n])
     system = System(full.positions[stay], full.orientations[stay], semi_axes, full.box)
-    longest = (semi_axes.max() + MARGIN * np.cbrt(semi_axes.prod())) * np.cbrt(DENSEST / system.packing_fraction)
+    longest = (semi_axes.max() + margin_lengths(semi_axes[None])[0]) * np.cbrt(DENSEST / system.packing_fraction)
     if system.box.diagonal().min() < 2 * longest:
         raise ValueError(f"n = {n}: too few bodies of this shape, each would come near its own periodic image when packed; expected at "
                          f"least {ceil(n * (2 * longest / system.box.diagonal().min())**3)}")

@@ -121,10 +121,10 @@ class Calendar(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """What the rule of the collisions needs; all but its row only where it says so."""
+    """What the rule of the collisions needs."""
 
     rule: np.ndarray        # float64 (RULE_ROW,), see edmd/rules/kinds.py
-    last: np.ndarray        # float64 (n,): time of a body's last collision, -inf before; kept with a contact time
+    last: np.ndarray        # float64 (n,), or (0,) without a contact time: time of a body's last collision, -inf before
 
 
 class World(NamedTuple):

@@ -1,6 +1,7 @@
 """Every tolerance and tuning number of the engine, with its unit and what it buys. The collision detection's are in ccd/tolerances.py."""
 
-MARGIN = 0.42                # margin of a body's neighbourhood, in units of its equivalent radius (abc)^(1/3)
+MARGIN = 0.42                # margin of a body's neighbourhood, in units of its equivalent radius (abc)^(1/3),
+MARGIN_OF_SPHERES = 0.6     # and of a sphere: another neighbour costs it little
 REBUILD_BEYOND = 0.7        # fraction of the margin that a body has really come when its list is rebuilt rather than extended
 SURELY_NEAR = 0.7           # fraction of the sum of margins below which a neighbour stays without a better plane
 SAFE = 1 - 1e-9             # factor on margins: covers the rounding of the displacement
@@ -32,11 +33,11 @@ FETCHED_AHEAD = 8192        # bodies from which memory is asked for before its e
 EVENTS_AT_ONCE = 1_000_000  # events between two looks of Python for an interrupt
 LIST_ROOM = 16              # first capacity of a neighbour list
 MORE_ROOM = 4               # by how much it grows when needed, at least
-SPARE_ROOM = 2              # room beyond its entries that a list is given when all are put in order
+SPARE_ROOM = 1              # room beyond its entries that a list is given when all are put in order
 SPARE = 8192                # entries beyond the lists, for those that grow until all are put in order again,
 SPARE_SHARE = 24            # and one more for so many
-CELL_BODIES = 5.0           # bodies in a cell of a grid, on average
-CELL_ROOM = 16              # first capacity of a cell, a multiple of state.LANES
+CELL_BODIES = 12.0          # bodies in a cell of a grid, on average
+CELL_ROOM = 24              # first capacity of a cell, a multiple of state.LANES
 NARROWEST = 0.5             # width of a cell, at least, in units of the largest list radius of its level
 NARROW = 9.0                # squared aspect ratio of a body from which its neighbours are sifted by a second plane
 FLOAT32_SLACK = 1e-6        # relative widening of a search in float32
