@@ -20,11 +20,17 @@ def near(r, a, b, balls):
 
 @kernel
 def still_near(world, body, entry):
-    """Whether two neighbours are neighbours still: their last plane settles the very near."""
+    """Whether two neighbours are neighbours still: their last plane settles the very near.
+
+    It tells nothing of two bodies that have long passed each other, which it may keep apart for ever. They must be let go, since another
+    image of one may come near the other.
+    """
     a, b = world.anchors[body], world.anchors[world.lists.links[entry, PARTNER]]
     r = imaged(world, entry, subtract(load(b, ANCHOR_POSITION), load(a, ANCHOR_POSITION)))
+    if not _balls_near(r, a, b):
+        return False
     if is_sphere(world, body) and is_sphere(world, int(world.lists.links[entry, PARTNER])):
-        return _balls_near(r, a, b)
+        return True
     n = direction_of(world.lists, entry)
     h_a, h_b = support(load_vectors(a, ANCHOR_VECTORS), n), support(load_vectors(b, ANCHOR_VECTORS), n)
     if dot(n, r) - h_a - h_b < SURELY_NEAR * (a[ANCHOR_MARGIN] + b[ANCHOR_MARGIN]):
@@ -35,6 +41,7 @@ def still_near(world, body, entry):
 
 @kernel
 def _balls_near(r, a, b):
+    """Whether the spheres about two neighbourhoods overlap."""
     within = a[ANCHOR_RADIUS] + b[ANCHOR_RADIUS]
     return dot(r, r) < within * within
 

@@ -122,3 +122,31 @@ def test_grazing_spheres(below):
         assert simulation.collisions == collisions
         if collisions:
             assert simulation.system.velocities[0, 1] == pytest.approx(-2 * np.sqrt(2 * below), rel=1e-3)
+
+
+def first_contact_of_parallel_bodies(r, v, semi_axes, edge, longest):
+    """Two equal parallel ellipsoids that do not turn are spheres of radius 1 in coordinates scaled by their semi-axes. By numpy, of all
+    images. inf for none within the longest time."""
+    across = int(np.ceil(np.linalg.norm(v) * longest / edge)) + 2
+    images = np.stack(np.meshgrid(*[np.arange(-across, across + 1)] * 3), axis=-1).reshape(-1, 3)
+    r, v = (r + edge * images) / semi_axes, v / semi_axes
+    closing, square = r @ v, (r * r).sum(axis=1) - 4
+    root = closing**2 - (v @ v) * square
+    times = (-closing - np.sqrt(np.maximum(root, 0))) / (v @ v)
+    times = times[(root > 0) & (closing < 0)]
+    return times.min() if len(times) and times.min() < longest else np.inf
+
+
+def test_bodies_that_pass_each_other_meet_in_another_image():
+    """Nearly round bodies that do not turn: the plane between them holds for ever, while they come near each other elsewhere."""
+    rng, semi_axes, edge, met = np.random.default_rng(5), np.array([1, 1, 1.002]), 8.0, []
+    for _ in range(60):
+        r, v = rng.uniform(2.1, edge - 2.1, size=3), rng.normal(size=3)
+        expected = first_contact_of_parallel_bodies(r, v, semi_axes, edge, longest=60.0)
+        met.append(expected)
+        system = edmd.System([[1, 1, 1], r + 1], [[1, 0, 0, 0]] * 2, semi_axes, edge, velocities=[[0, 0, 0], v])
+        simulation = edmd.Simulation(system)
+        simulation.run(time=min(expected + 1e-9, 60.0))
+        assert simulation.collisions == (expected < 60), (r, v, expected)
+        simulation.verify()
+    assert np.isfinite(met).sum() > 30
