@@ -37,6 +37,7 @@ from edmd.state import (
     INVERSE_MASS,
     INVERSE_MOMENTS,
     LARGEST,
+    LATEST,
     LOOKS,
     MET_SINCE,
     MET_TIME,
@@ -58,6 +59,7 @@ from edmd.tolerances import (
     DRIFTED,
     EPOCH_COLLISIONS,
     EPOCH_LEAST,
+    EPOCH_LENGTHS,
     EPOCH_LOOKS,
     GROWTH_HORIZON,
     HORIZON_FREE_TIMES,
@@ -159,14 +161,17 @@ def _take_back_drift(world):
 
 @kernel
 def energy_counted(world):
-    """What follows from a newly counted energy: the contact time in force, and an instant. Events of a collapsing gas crowd into less."""
+    """What follows from a newly counted energy: the contact time in force, how long an epoch is at most, and an instant. Events of a
+    collapsing gas crowd into less."""
     clock, longest = world.clock, 0.0
-    mass, _ = mean_velocity(world)
+    mass, drift = mean_velocity(world)
     for kind in range(len(world.kinds)):
         longest = max(longest, world.kinds[kind, LARGEST] * size_now(clock))
     thermal_time = longest * sqrt(0.5 * mass / clock[ENERGY]) if clock[ENERGY] > 0 else 0.0
     clock[ENERGY_BEGAN] = clock[ENERGY]
     set_contact_time(world.contacts.rule, thermal_time)
+    speed = sqrt(2 * clock[ENERGY] / mass + dot(drift, drift))
+    clock[LATEST] = EPOCH_LENGTHS * longest / speed if speed > 0 else inf
     clock[INSTANT] = INSTANT_SHARE * thermal_time if world.contacts.rule[KIND] != ELASTIC and clock[GROWTH] == 0.0 else 0.0
 
 

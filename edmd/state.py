@@ -65,9 +65,9 @@ SPAN_ROW = 4
 # ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral up to ENERGY_SINCE; it and VIRIAL are sums of this epoch,
 # which began after EPOCH_BEGAN collisions. ENERGY_ERROR: sum over the epochs of the amounts by which ENERGY, as the collisions account for
 # it, had come off what it is, in units of what it was when it was last counted, ENERGY_BEGAN. INSTANT: a span that is no progress.
-# ROUNDING: of a position in the cell. DRIFT: common velocity of all bodies, (3,)
+# ROUNDING: of a position in the cell. LATEST: when the epoch ends, for the resolution of times. DRIFT: common velocity of all bodies, (3,)
 (NOW, EPOCH, SIZE, GROWTH, REFINE, HORIZON, VIRIAL, ENERGY, ENERGY_TIME, ENERGY_SINCE, REACH_SIZE, ENERGY_ERROR, ENERGY_BEGAN,
- INSTANT, ROUNDING, DRIFT) = range(16)
+ INSTANT, ROUNDING, LATEST, DRIFT) = range(17)
 CLOCK_ROW = 24
 
 # tally. ENTRIES: how many rows of the entries are taken. SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this

@@ -150,3 +150,16 @@ def test_bodies_that_pass_each_other_meet_in_another_image():
         assert simulation.collisions == (expected < 60), (r, v, expected)
         simulation.verify()
     assert np.isfinite(met).sum() > 30
+
+
+def test_times_keep_their_resolution_in_the_thinnest_gas():
+    """Counted from the start, times of 1e5 would be known to 1e-11, and a body comes as far in that: `verify` finds that they overlap."""
+    velocity = np.array([1.2, np.sqrt(1.7), -np.pi / 4])
+    system = edmd.System([[10, 10, 10], [60, 50, 40]], [[1, 0, 0, 0], [0.5, 0.5, 0.5, 0.5]], [[0.5, 0.51, 2.4], [1.6, 1.6, 0.4]], 90.0,
+                         velocities=[velocity, -velocity])
+    simulation = edmd.Simulation(system)
+    for _ in range(4):
+        simulation.run(collisions=1)
+        simulation.verify()
+    assert simulation.time > 3e4
+    assert simulation.begun.time < 3000
