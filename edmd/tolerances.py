@@ -20,7 +20,7 @@ HORIZON_FREE_TIMES = 4.5    # how far ahead a bound of a pair looks, in mean fre
 EPOCH_COLLISIONS = 4        # collisions per body between two upkeeps (and at least EPOCH_LEAST in all)
 EPOCH_LEAST = 64
 EPOCH_LOOKS = 300           # looks at pairs for each collision that an epoch should have, with which it ends: its mean free time is wrong
-EPOCH_LENGTHS = 1000        # longest semi-axes that a body comes in an epoch, at most, at the root mean square of all speeds
+EPOCH_LENGTHS = 10_000      # longest semi-axes that a body comes in an epoch, at most, at the root mean square of all speeds
 GROWTH_HORIZON = 1e-2       # relative growth for which one prediction is made, at most
 FAINTEST = 1e-14            # approach of a dissipative collision, in units of the bodies' velocities, below which it is rounding
 FAINT_COLLISIONS = 60       # of one pair in a row after which it has collapsed: of e = 0 one is as likely followed by another as not
