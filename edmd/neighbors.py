@@ -223,7 +223,7 @@ def _search(world, body):
                 i, j = (i, j + 1) if j < last[1] else (i + 1, first[1])
                 k, end = row_within(grid, layers, f, (i, j), reach, (first[2], last[2]))
             if found > HITS or i > last[0]:
-                status = _sift(world, body, found, widest > 2 * reach)
+                status = _sift(world, body, found, widest > 2 * (reach + margin))      # a pair just dropped was within reach a margin ago
                 if status != DONE:
                     return status
                 found = 0

@@ -9,6 +9,7 @@ import pytest
 import reference
 
 import edmd
+from edmd.building import margin_lengths
 
 FLIGHTS = json.loads((Path(__file__).parents[1] / "oracles" / "collisions.json").read_text())
 EDGE = 64.0
@@ -163,3 +164,16 @@ def test_times_keep_their_resolution_in_the_thinnest_gas():
         simulation.verify()
     assert simulation.time > 3e4
     assert simulation.begun.time < 15_000
+
+
+@pytest.mark.parametrize("wide", [1.01, 1.05, 1.09])
+@pytest.mark.parametrize("axes", [(1, 1, 1), (1, 1, 1.3)])
+def test_a_neighbour_comes_back_in_another_image(axes, wide):
+    """A cell hardly wider than two lists: a neighbour that has just been dropped is found again on the other side."""
+    radius = max(axes) + margin_lengths(np.array([axes]))[0]
+    sites = np.stack(np.meshgrid(*[[0.25, 0.75]] * 3), axis=-1).reshape(-1, 3)[:7]
+    edge = 4 * wide * radius
+    simulation = edmd.Simulation(edmd.thermalized(edmd.System(edge * sites, [[1, 0, 0, 0]] * 7, axes, edge), seed=1))
+    for _ in range(150):
+        simulation.run(collisions=1)
+        simulation.verify()
