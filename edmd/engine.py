@@ -7,7 +7,23 @@ from edmd.neighbors import DONE, escape, set_escape
 from edmd.pairs import rounded, turn_plane
 from edmd.prediction import predict, reschedule
 from edmd.prefetch import fetch_list_of_partner, fetch_next, fetch_pair
-from edmd.state import BEGIN, COLLISIONS, COUNT, ENOUGH, EVENT, EVENTS, FAINT, INSTANT, LOOKS, NEXT_EPOCH, NOW, PARTNER, STANDING, WATCHED
+from edmd.state import (
+    BEGIN,
+    COLLISIONS,
+    COUNT,
+    ENOUGH,
+    EVENT,
+    EVENTS,
+    FAINT,
+    INSTANT,
+    LATEST,
+    LOOKS,
+    NEXT_EPOCH,
+    NOW,
+    PARTNER,
+    STANDING,
+    WATCHED,
+)
 from edmd.tolerances import EVENTS_AT_ONCE, FAINT_COLLISIONS, FETCHED_AHEAD, FOREVER, STALL_EVENTS
 from edmd.watching import touching, watch
 
@@ -28,11 +44,14 @@ def advance_events(world, until_time, until_collisions):
         if tally[COLLISIONS] >= tally[NEXT_EPOCH] or tally[LOOKS] >= tally[ENOUGH]:
             return EPOCH
         time, body = calendar.time[0], int(calendar.body[0])
-        if time > until_time:
+        if time > until_time and (until_time <= clock[LATEST] or time >= FOREVER):
             if until_time >= FOREVER:
                 return AT_REST
             clock[NOW] = until_time
             return TIME
+        if time > clock[LATEST]:
+            clock[NOW] = max(clock[LATEST], clock[NOW])
+            return EPOCH
         tally[STANDING] = tally[STANDING] + 1 if time <= clock[NOW] + clock[INSTANT] else 0
         if tally[STANDING] > patience or tally[FAINT] > FAINT_COLLISIONS:
             return STALLED

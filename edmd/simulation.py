@@ -408,8 +408,7 @@ class Simulation:
         return inf if packing_fraction is None else self.time + (np.cbrt(packing_fraction / self.packing_fraction) - 1) / rate
 
     def _longest_epoch(self):
-        clock = self._world.clock
-        return max(clock[NOW], min(clock[state.LATEST], IDLE * clock[HORIZON] if clock[GROWTH] < 0 else inf))
+        return IDLE * self._world.clock[HORIZON] if self._world.clock[GROWTH] < 0 else inf
 
     def _open_contacts(self):
         _, _, f = self.system.contact_functions()
