@@ -13,12 +13,15 @@ SHAPES = {"prolate": ((1, 1, 2.0), [0, 1]), "oblate": ((1, 1, 0.5), [0, 1]), "tr
 
 
 def sampled(semi_axes, active, n=256, blocks=30, samples=10):
-    """Energies (block, sample, [translation, each active principal axis]) along a run in equilibrium, and the fourth moments of v."""
+    """Energies (block, sample, [translation, each active principal axis]) along a run in equilibrium, and the fourth moments of v.
+
+    A block is 80 collisions a body: of 20, the axes of a body that is nearly round remember the one before.
+    """
     simulation = edmd.Simulation(fluids.fluid(semi_axes, n, 0.4, seed=2))
     simulation.run(collisions_per_particle=60)
     energy, fourth = np.empty((blocks, samples, 1 + len(active))), np.empty((blocks, samples))
     for block, sample in np.ndindex(blocks, samples):
-        system = simulation.run(collisions_per_particle=2).system
+        system = simulation.run(collisions_per_particle=8).system
         translation, rotation = independent.energies(system)
         energy[block, sample] = [translation, *rotation[active]]
         fourth[block, sample] = (system.velocities**4).mean() / (system.velocities**2).mean()**2
