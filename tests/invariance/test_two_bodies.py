@@ -153,17 +153,30 @@ def test_bodies_that_pass_each_other_meet_in_another_image():
     assert np.isfinite(met).sum() > 30
 
 
+def thinnest_gas():
+    """Two bodies that meet once in 1e5 lengths."""
+    velocity = np.array([1.2, np.sqrt(1.7), -np.pi / 4])
+    return edmd.Simulation(edmd.System([[10, 10, 10], [60, 50, 40]], [[1, 0, 0, 0], [0.5, 0.5, 0.5, 0.5]],
+                                       [[0.5, 0.51, 2.4], [1.6, 1.6, 0.4]], 90.0, velocities=[velocity, -velocity]))
+
+
 def test_times_keep_their_resolution_in_the_thinnest_gas():
     """Counted from the start, times of 1e5 would be known to 1e-11, and a body comes as far in that: `verify` finds that they overlap."""
-    velocity = np.array([1.2, np.sqrt(1.7), -np.pi / 4])
-    system = edmd.System([[10, 10, 10], [60, 50, 40]], [[1, 0, 0, 0], [0.5, 0.5, 0.5, 0.5]], [[0.5, 0.51, 2.4], [1.6, 1.6, 0.4]], 90.0,
-                         velocities=[velocity, -velocity])
-    simulation = edmd.Simulation(system)
+    simulation = thinnest_gas()
     for _ in range(4):
         simulation.run(collisions=1)
         simulation.verify()
     assert simulation.time > 3e4
     assert simulation.begun.time < 15_000
+
+
+def test_looking_between_its_collisions_changes_nothing():
+    """An epoch that ends by its time ends there whoever looks."""
+    unseen, seen, times = thinnest_gas().run(time=4e4), thinnest_gas(), []
+    seen.run(time=4e4, observers=[edmd.Observer(edmd.Every(time=937.0), lambda view: times.append(view.time))])
+    assert len(times) == 42
+    assert independent.same_bits(seen.system, unseen.system)
+    assert seen.begun.time == unseen.begun.time < 15_000
 
 
 @pytest.mark.parametrize("wide", [1.01, 1.05, 1.09])
