@@ -84,10 +84,11 @@ def clear(blocks, slot):
 
 @kernel
 def sift(block, position, own, lengths):
-    """Tell which bodies of a block may be neighbours of a body with this hull there: those with no PLACE_GAP above 0. -> False if none is,
-    where that is asked: bodies that are not narrow have neighbours in most cells. lengths: sum of all that are rounded, but position.
+    """Tell which bodies of a block may be neighbours of a body with this hull there: those with no PLACE_GAP above 0. -> whether any is.
+
+    lengths: sum of all that are rounded, but position.
     """
-    x, near = _single(position), not own.narrow
+    x, near = _single(position), False
     slack = np.float32(FLOAT32_SLACK * (abs(position[0]) + abs(position[1]) + abs(position[2]) + lengths))
     for lane in range(LANES):
         r, other = _seen(block, lane, x)
