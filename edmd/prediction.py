@@ -62,8 +62,10 @@ def _predict_balls(world, body, entries, own):
     begin, end = entries
     now, growth, size = clock[NOW], clock[GROWTH], size_now(clock)
     for entry in range(begin, end):
-        k, partner = entry - begin, int(lists.links[entry, PARTNER])
+        fetch(world.bodies[lists.links[entry, PARTNER]], 0)
         fetch(lists.numbers[lists.links[entry, TWIN]], 0)
+    for entry in range(begin, end):
+        k, partner = entry - begin, int(lists.links[entry, PARTNER])
         other = ball_now(world, partner)
         r, v = imaged(world, entry, subtract(other[0], own[0])), subtract(other[1], own[1])
         column[k], column[BLOCK + k], column[2 * BLOCK + k] = r
