@@ -12,7 +12,7 @@ from math import copysign, inf, sqrt
 from ccd.compiling import kernel
 from ccd.rotation import cos_and_sinc, multiply, to_body, to_lab, turn
 from ccd.tolerances import DOUBLINGS, PERIOD, SHORT_TURN, STEADY
-from ccd.vectors import cross, dot, scale
+from ccd.vectors import add_scaled, cross, dot, scale
 
 
 @kernel
@@ -29,10 +29,16 @@ def angular_momentum(q, angular_velocity, inverse_moments):
 
 
 @kernel
-def angular_acceleration(q, momentum, inverse_moments):
-    """In the lab frame: dw/dt, by Euler's equations."""
-    x = to_body(q, momentum)
-    return to_lab(q, _each(inverse_moments, cross(x, _each(inverse_moments, x))))
+def turning_of(axes, momentum, inverse_moments):
+    """Angular velocity and its rate, by Euler's equations, of a body with these axes (`body_axes`); all in the lab frame."""
+    x = dot(axes[0], momentum), dot(axes[1], momentum), dot(axes[2], momentum)
+    w = _each(inverse_moments, x)
+    return _combined(axes, w), _combined(axes, _each(inverse_moments, cross(x, w)))
+
+
+@kernel
+def _combined(axes, x):
+    return add_scaled(add_scaled(scale(x[0], axes[0]), x[1], axes[1]), x[2], axes[2])
 
 
 @kernel

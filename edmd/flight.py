@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from ccd.compiling import kernel, large_kernel
 from ccd.first_contact import support_course
-from ccd.free_top import angular_acceleration, angular_velocity, fastest_turning, turn_freely
+from ccd.free_top import angular_velocity, fastest_turning, turn_freely, turning_of
 from ccd.precession import NO_AXIS
 from ccd.revolution import course_of_axis, facing_of_axis, shape_of_axis, turning_axis
 from ccd.rotation import body_axes, load_quaternion, turn
@@ -108,19 +108,21 @@ def _turned(row, kind, time):
     """How a shape stands so much later than its row has it: orientation, semi-axis vectors, angular velocity and acceleration."""
     q, momentum = load_quaternion(row, ORIENTATION), load(row, MOMENTUM)
     if kind[MOTION] == FREE:
-        q, spin, acceleration = _turned_freely(q, momentum, load(kind, INVERSE_MOMENTS), time)
-    else:
-        spin, acceleration = scale(kind[ACROSS], momentum), (0.0, 0.0, 0.0)
-        if time != 0.0:
-            q = turn(q, spin, time)
-    return q, load_vectors(row, VECTORS) if time == 0.0 else _vectors(kind, q), spin, acceleration
+        q, axes, spin, acceleration = _turned_freely(q, momentum, load(kind, INVERSE_MOMENTS), time)
+        return q, semi_axis_vectors(load(kind, SEMI_AXES), axes), spin, acceleration
+    spin = scale(kind[ACROSS], momentum)
+    if time != 0.0:
+        q = turn(q, spin, time)
+    return q, load_vectors(row, VECTORS) if time == 0.0 else _vectors(kind, q), spin, (0.0, 0.0, 0.0)
 
 
 @large_kernel
 def _turned_freely(q, momentum, inverse_moments, time):
     if time != 0.0:
         q = turn_freely(q, momentum, inverse_moments, time)
-    return q, angular_velocity(q, momentum, inverse_moments), angular_acceleration(q, momentum, inverse_moments)
+    axes = body_axes(q)
+    spin, acceleration = turning_of(axes, momentum, inverse_moments)
+    return q, axes, spin, acceleration
 
 
 @kernel
