@@ -87,11 +87,16 @@ class System:
         return part
 
     def makeup(self) -> System:
-        """A copy of what no run changes. Where the bodies are and how they move is left out: the same for all, which takes no memory."""
+        """A copy of what no run changes, read-only. Where the bodies are and how they move is left out. What is the same for all takes no
+        memory."""
         like = self.subset(np.arange(self.n))
-        for name, value in {"positions": np.zeros(3), "orientations": np.eye(4)[0], "velocities": np.zeros(3),
-                            "angular_velocities": np.zeros(3)}.items():
-            setattr(like, name, np.broadcast_to(value, (self.n, len(value))))
+        like.positions[:] = like.velocities[:] = like.angular_velocities[:] = 0.0
+        like.orientations[:] = np.eye(4)[0]
+        for name in PER_BODY:
+            rows = getattr(like, name)
+            if (rows == rows[0]).all():
+                setattr(like, name, np.broadcast_to(rows[0].copy(), rows.shape))
+        like.inertia = self.inertia if isinstance(self.inertia, str) else like.moments
         return like
 
     def contact_functions(self, gap: float = 0.0) -> tuple[Array, Array, Floats]:

@@ -212,3 +212,16 @@ def test_smallest_scale_and_contact_functions():
     assert np.sort(f) == pytest.approx(np.sort(g), rel=1e-10)
     lonely = system()
     assert lonely.smallest_scale() == np.inf or lonely.smallest_scale() > 1
+
+
+@pytest.mark.parametrize("inertia", ["solid", (1.0, 1.0, 2.0)])
+def test_what_is_the_same_for_all_bodies_takes_no_memory(inertia):
+    """A makeup of a mixture keeps what differs, and its copies can be written to."""
+    equal = system(inertia=inertia).makeup()
+    names = "positions", "orientations", "semi_axes", "velocities", "angular_velocities", "masses", "moments", "species"
+    assert [getattr(equal, name).strides[0] for name in names] == [0] * len(names)
+    assert equal.moments == pytest.approx(system(inertia=inertia).moments, abs=0)
+    assert equal.copy().masses.flags.writeable
+    mixture = system(masses=[1, 2], inertia=inertia).makeup()
+    assert mixture.masses.tolist() == [1, 2]
+    assert mixture.semi_axes.strides[0] == 0
