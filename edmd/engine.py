@@ -6,7 +6,7 @@ from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
 from edmd.pairs import rounded, turn_plane
 from edmd.prediction import predict, reschedule
-from edmd.prefetch import fetch_body, fetch_list, fetch_list_of_partner, fetch_next, fetch_pair
+from edmd.prefetch import fetch_body, fetch_list_of_partner, fetch_next, fetch_pair, fetch_surroundings
 from edmd.state import (
     BEGIN,
     COLLISIONS,
@@ -60,7 +60,7 @@ def advance_events(world, until_time, until_collisions):
         then = fetch_next(world, body) if ahead else body
         slot, partner, watched, tally[WATCHED] = int(calendar.slot[body]), body, 0, 0
         entry = int(lists.spans[body, BEGIN]) + slot
-        fetch_list(lists, body)
+        fetch_surroundings(world, body)
         if slot == ESCAPE:
             status = escape(world, body)
             if status != DONE:
@@ -71,7 +71,7 @@ def advance_events(world, until_time, until_collisions):
             fetch_body(world, body)
             touches, n = touching(world, entry, body, partner)
             if touches:
-                fetch_list(lists, partner)
+                fetch_surroundings(world, partner)
                 collide(world, body, partner, n)
                 turn_plane(world, entry, rounded(n))
                 for one in (body, partner):

@@ -64,6 +64,13 @@ def fetch_list(lists, body):
 
 
 @kernel
+def fetch_surroundings(world, body):
+    """The anchor and the list of a body, whose span is at hand."""
+    fetch_anchor(world.anchors, body)
+    fetch_list(world.lists, body)
+
+
+@kernel
 def fetch_cell(cells, cell):
     """The first bodies of a cell."""
     block = cells.places[cell, 0]
