@@ -1,5 +1,6 @@
 """Memory asked for before it is needed. In a system larger than the caches a collision waits for memory longer than it computes, and what
-it will need is known early: by the lists, and by the calendar, which has the next event at hand. A hint changes no result.
+it will need is known early: by the lists, and by the calendar, which has the next event at hand. In any system an event asks at its begin
+for what it will read. A hint changes no result.
 """
 
 from math import inf

@@ -214,6 +214,18 @@ def test_angular_velocity_and_momentum_belong_together():
         np.testing.assert_allclose(free_top.angular_momentum(given[0], w, given[2]), momentum[k], rtol=0, atol=4e-15)
 
 
+@pytest.mark.parametrize("family", ["far from equal", "prolate", "equal"])
+def test_turning_by_the_axes_is_that_by_the_quaternion_and_its_rate_eulers(family):
+    """I dw/dt = L x w, in the frame of the body."""
+    q, momentum, inverse, _ = bodies(family)
+    for k in range(12):
+        given, matrix = tuple(tuple(a[k].tolist()) for a in (momentum, inverse)), reference.quat_to_R(q[k])
+        w, rate = free_top.turning_of(tuple(map(tuple, matrix.T)), *given)
+        np.testing.assert_allclose(w, free_top.angular_velocity(tuple(q[k]), *given), rtol=0, atol=4e-15)
+        torque = np.cross(matrix.T @ momentum[k], matrix.T @ w)
+        np.testing.assert_allclose(matrix.T @ rate, inverse[k] * torque, rtol=0, atol=1e-14)
+
+
 # bounds
 
 def course(family, n=3, turns=20.0, samples=120):

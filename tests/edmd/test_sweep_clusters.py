@@ -127,7 +127,7 @@ def test_no_cluster_at_this_address(tmp_path, monkeypatch):
 
 SBATCH = """#!/bin/bash
 # SLURM as dask-jobqueue sees it: a job is a script that runs in the background, in a session of its own.
-script=$(mktemp JOBS.XXXXXX)
+script=JOBS.$$
 cp "${@: -1}" $script
 setsid bash $script > /dev/null 2>&1 < /dev/null &
 echo $! >> JOBS
