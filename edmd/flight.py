@@ -130,6 +130,15 @@ def _vectors(kind, q):
     return semi_axis_vectors(load(kind, SEMI_AXES), body_axes(q))
 
 
+@kernel
+def vectors_after(row, kind, time, size):
+    """Semi-axis vectors at this size so much later than the row of a body has them."""
+    vectors = load_vectors(row, VECTORS)
+    if kind[MOTION] != STILL:
+        _, vectors, _, _ = _turned(row, kind, time)
+    return scale(size, vectors[0]), scale(size, vectors[1]), scale(size, vectors[2])
+
+
 class Flight(NamedTuple):
     """What the bounds need of a body at some time, in registers."""
 

@@ -1,7 +1,7 @@
 """Neighbour lists that follow the shape (docs/theory.md, section 4).
 
-Each body has an anchor: its pose when its list was made, with a margin. It stays inside the anchor shape grown by the margin until its
-ESCAPE_TIME. Two bodies are neighbours when the gap between their anchors is below the sum of their margins: so nothing outside the list
+Each body has an anchor: the pose it was about to have when its list was made, with a margin. It stays inside the anchor shape grown by the
+margin until its ESCAPE_TIME. Two bodies are neighbours when the gap between their anchors is below the sum of their margins: so nothing outside the list
 can be touched before the escape. One body at a time is looked at again, and the predictions of the pairs that stay are kept.
 """
 
@@ -9,11 +9,11 @@ from math import inf, pi, sqrt
 
 from ccd.compiling import kernel, large_kernel
 from ccd.precession import NO_AXIS
-from ccd.vectors import dot, load, norm, scale, store, subtract
+from ccd.vectors import add_scaled, dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced, fraction, image_of
 from edmd.cells import extent_along, place, row_within, scan, unpacked, window
 from edmd.events import Ended
-from edmd.flight import advance, flight_of, kind_of, load_vectors
+from edmd.flight import advance, flight_of, kind_of, load_vectors, store_vectors, vectors_after
 from edmd.nearness import near, still_near
 from edmd.pairs import (
     ball_now,
@@ -52,6 +52,7 @@ from edmd.state import (
     POSITION,
     REACH_SIZE,
     REBUILDS,
+    REFINE,
     ROOM,
     SEMI_AXES,
     SIDE,
@@ -60,7 +61,7 @@ from edmd.state import (
     VECTORS,
     VELOCITY,
 )
-from edmd.tolerances import MORE_ROOM, REBUILD_BEYOND, SAFE
+from edmd.tolerances import LEAD, LEAD_SHARE, MORE_ROOM, REBUILD_BEYOND, SAFE
 
 DONE, NO_ROOM, CELL_TOO_SMALL = -1, int(Ended.NO_ROOM), int(Ended.CELL_TOO_SMALL)
 
@@ -79,52 +80,71 @@ def turned(row, kind, anchor):
 
 
 @kernel
-def displacement(row, kind, anchor, size):
-    """How far any support value can have come from its anchor's, eq. (6): path, turning and growth. inf for a body never anchored."""
-    path = norm(subtract(load(row, POSITION), load(anchor, ANCHOR_POSITION)))
-    if kind[SPREAD] > 0.0:
-        path += turned(row, kind, anchor) * kind[SPREAD] * max(size, anchor[ANCHOR_SIZE])
-    return path + abs(size - anchor[ANCHOR_SIZE]) * kind[LARGEST]
+def path_from(row, anchor):
+    """How a body has moved from its anchor. inf for one never anchored."""
+    return subtract(load(row, POSITION), load(anchor, ANCHOR_POSITION))
 
 
 @kernel
-def speed_of_surface(row, turn, kind, size):
-    """How fast a support value can change at most, growth apart, by (6)."""
-    speed = norm(load(row, VELOCITY))
-    return speed + turn[FASTEST] * kind[SPREAD] * size if kind[SPREAD] > 0.0 else speed
+def strayed(row, kind, anchor, size):
+    """How far any support value can have come from its anchor's by turning and growth, eq. (6)."""
+    growth = abs(size - anchor[ANCHOR_SIZE]) * kind[LARGEST]
+    return growth + turned(row, kind, anchor) * kind[SPREAD] * max(size, anchor[ANCHOR_SIZE]) if kind[SPREAD] > 0.0 else growth
+
+
+@kernel
+def straying(turn, kind, clock):
+    """How fast a support value can change at most within the horizon of growth: by turning, eq. (6), and by growth."""
+    growth = abs(clock[GROWTH])
+    turning = turn[FASTEST] * kind[SPREAD] if kind[SPREAD] > 0.0 else 0.0
+    if growth == 0.0:
+        return size_now(clock) * turning, 0.0
+    return (size_now(clock) + growth * clock[HORIZON]) * turning, growth * kind[LARGEST]
 
 
 @kernel
 def set_escape(world, body):
     """The time until which an up-to-date body certainly stays within its margin."""
-    row, turn, kind, clock = world.bodies[body], world.turns[body], world.kinds[kind_of(world, body)], world.clock
-    anchor = world.anchors[body]
-    size = size_now(clock)
-    left = SAFE * anchor[ANCHOR_MARGIN] - displacement(row, kind, anchor, size)
-    if clock[GROWTH] == 0.0:
-        speed, longest = speed_of_surface(row, turn, kind, size), inf
-    else:
-        longest = clock[HORIZON]
-        speed = speed_of_surface(row, turn, kind, size + abs(clock[GROWTH]) * longest) + abs(clock[GROWTH]) * kind[LARGEST]
-    anchor[ESCAPE_TIME] = clock[NOW] + min(max(left, 0.0) / speed if speed > 0 else inf, longest)
+    row, kind, clock, anchor = world.bodies[body], world.kinds[kind_of(world, body)], world.clock, world.anchors[body]
+    turning, growth = straying(world.turns[body], kind, clock)
+    room = SAFE * anchor[ANCHOR_MARGIN] - strayed(row, kind, anchor, size_now(clock))
+    _escape_after(anchor, clock, staying(path_from(row, anchor), load(row, VELOCITY), room, turning + growth))
+
+
+@kernel
+def _escape_after(anchor, clock, span):
+    anchor[ESCAPE_TIME] = clock[NOW] + (span if clock[GROWTH] == 0.0 else min(span, clock[HORIZON]))
+
+
+@kernel
+def staying(r, v, room, shrinking):
+    """How long |r + v t| stays below a room that shrinks at this rate, eq. (6c)."""
+    left = room * room - dot(r, r)
+    if room <= 0.0 or not left > 0.0:
+        return 0.0
+    half, bend = dot(r, v) + room * shrinking, dot(v, v) - shrinking * shrinking
+    root = sqrt(max(half * half + bend * left, 0.0))
+    over, under = (root - half, bend) if half < 0 else (left, half + root)
+    if under > 0.0:
+        return over / under
+    speed = norm(v) + shrinking                             # nothing moves, or rounding hides it
+    return (room - norm(r)) / speed if speed > 0.0 else inf
 
 
 @kernel
 def escape(world, body):
     """The body may have left its margin: extend its time, or make its list anew. -> DONE, NO_ROOM or CELL_TOO_SMALL."""
-    row, kind, anchor = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body]
+    row, kind, anchor, size = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], size_now(world.clock)
     advance(row, kind, world.clock[NOW])
-    if displacement(row, kind, anchor, size_now(world.clock)) > REBUILD_BEYOND * anchor[ANCHOR_MARGIN]:
-        status = rebuild(world, body)
-        if status != DONE:
-            return status
+    if norm(path_from(row, anchor)) + strayed(row, kind, anchor, size) > REBUILD_BEYOND * anchor[ANCHOR_MARGIN]:
+        return rebuild(world, body)
     set_escape(world, body)
     return DONE
 
 
 @kernel
 def rebuild(world, body):
-    """Anchor the body where it is now and make its list: drop the pairs that have come apart, find the new ones."""
+    """Anchor the body where it will be and make its list: drop the pairs that have come apart, find the new ones."""
     world.tally[REBUILDS] += 1
     if not _anchor(world, body):
         world.anchors[body, ANCHOR_POSITION] = inf
@@ -142,19 +162,21 @@ def rebuild(world, body):
 
 @kernel
 def _anchor(world, body):
-    """Store the pose, size and margin of a body, which is first wrapped into the cell; move it to its grid cell, if that has room."""
-    row, kind, anchor, grid = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], world.grid
-    a, b, c = image_of(load(row, POSITION), grid.inverse)
+    """Store the size of a body, its margin, its pose a little ahead, and how long it stays near that: it will be there, if nobody is in its
+    way. The body is first wrapped so that its anchor is in the cell; it moves to the grid cell of its anchor, if that has room."""
+    row, kind, anchor, grid, clock = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], world.grid, world.clock
+    size, velocity = size_now(clock), load(row, VELOCITY)
+    margin, (turning, growth) = size * kind[MARGIN_LENGTH], straying(world.turns[body], kind, clock)
+    speed = norm(velocity) + turning + growth
+    lead = min(LEAD * clock[REFINE], LEAD_SHARE * margin / speed) if speed > 0.0 else 0.0
+    a, b, c = image_of(add_scaled(load(row, POSITION), lead, velocity), grid.inverse)
     if a != 0 or b != 0 or c != 0:
         _wrap(world.lists, world.image, grid.box, row, body, (a, b, c))
-    size = size_now(world.clock)
-    store(anchor, ANCHOR_POSITION, load(row, POSITION))
-    for k in range(9):
-        anchor[ANCHOR_VECTORS + k] = size * row[VECTORS + k]
-    anchor[ANCHOR_SIZE] = size
-    anchor[ANCHOR_MARGIN] = size * kind[MARGIN_LENGTH]
-    anchor[ANCHOR_RADIUS] = size * (kind[LARGEST] + kind[MARGIN_LENGTH])
-    world.clock[REACH_SIZE] = max(size, world.clock[REACH_SIZE])
+    store(anchor, ANCHOR_POSITION, add_scaled(load(row, POSITION), lead, velocity))
+    store_vectors(anchor, ANCHOR_VECTORS, vectors_after(row, kind, lead, size))
+    anchor[ANCHOR_SIZE], anchor[ANCHOR_MARGIN], anchor[ANCHOR_RADIUS] = size, margin, size * kind[LARGEST] + margin
+    _escape_after(anchor, clock, lead + (SAFE * margin - growth * lead) / speed if speed > 0.0 else inf)
+    clock[REACH_SIZE] = max(size, clock[REACH_SIZE])
     return place(world.cells, grid, body, kind, anchor)
 
 
@@ -223,7 +245,7 @@ def _search(world, body):
                 i, j = (i, j + 1) if j < last[1] else (i + 1, first[1])
                 k, end = row_within(grid, layers, f, (i, j), reach, (first[2], last[2]))
             if found > HITS or i > last[0]:
-                status = _sift(world, body, found, widest > 2 * (reach + margin))      # a pair just dropped was within reach a margin ago
+                status = _sift(world, body, found, widest > 2 * (reach + 2 * margin))  # a pair just dropped was within reach two margins ago
                 if status != DONE:
                     return status
                 found = 0

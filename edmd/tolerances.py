@@ -1,8 +1,10 @@
 """Every tolerance and tuning number of the engine, with its unit and what it buys. The collision detection's are in ccd/tolerances.py."""
 
-MARGIN = 0.42                # margin of a body's neighbourhood, in units of its equivalent radius (abc)^(1/3),
-MARGIN_OF_SPHERES = 0.6     # and of a sphere: another neighbour costs it little
-REBUILD_BEYOND = 0.7        # fraction of the margin that a body has really come when its list is rebuilt rather than extended
+MARGIN = 0.38                # margin of a body's neighbourhood, in units of its equivalent radius (abc)^(1/3),
+MARGIN_OF_SPHERES = 0.5     # and of a sphere: another neighbour costs it little
+LEAD = 4.0                  # how far ahead of a body its neighbourhood is centred, in units of the time below which planes are renewed,
+LEAD_SHARE = 0.9            # and at most so much of the margin away from it
+REBUILD_BEYOND = 0.85       # fraction of the margin that a body has really come when its list is rebuilt rather than extended
 SURELY_NEAR = 0.7           # fraction of the sum of margins below which a neighbour stays without a better plane
 SAFE = 1 - 1e-9             # factor on margins: covers the rounding of the displacement
 REFINE_BELOW = 0.4          # a pair's plane is renewed when it holds for less than this, in units of the mean free time
