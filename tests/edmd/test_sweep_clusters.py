@@ -13,7 +13,8 @@ import dask
 import psutil
 import pytest
 import swept
-from test_sweeps import CONFIG, HERE, command, logged, same_tables, under_way, wait_for
+from test_sweeps import CONFIG, HERE, command, logged, same_tables, under_way
+from waiting import wait_for
 
 import edmd
 from edmd.sweeps.campaign import SweepStopped

@@ -18,6 +18,7 @@ import pyarrow.parquet
 import pytest
 import swept
 from test_runs import datasets
+from waiting import wait_for
 
 import edmd
 from edmd.cli import main
@@ -56,14 +57,6 @@ def same_tables(one, other):
 def command(*arguments, **options):
     return subprocess.Popen([sys.executable, "-m", "edmd", "sweep", *arguments], env=HERE,
                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
-
-
-def wait_for(condition, seconds=30):
-    until = time.monotonic() + seconds
-    while not (found := condition()):
-        assert time.monotonic() < until, "it never came"
-        time.sleep(0.01)
-    return found
 
 
 # the table

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import fluids
@@ -13,6 +14,7 @@ import h5py
 import independent
 import numpy as np
 import pytest
+from waiting import wait_for
 
 import edmd
 from edmd.trajectory import open_run, read_system, verify_file
@@ -271,10 +273,13 @@ def test_a_killed_run_leaves_a_readable_file(tmp_path):
     process = subprocess.Popen([sys.executable, "-c", KILLED, str(path)], cwd=ROOT, stdout=subprocess.PIPE, text=True,
                                env={**os.environ, "PYTHONPATH": str(ROOT)})
     assert process.stdout.readline() == "started\n"
-    time.sleep(3.0)
-    with h5py.File(path, "r") as file:                  # while it grows, with nothing of ours
-        growing = len(file["particles/trajectory/position/step"])
-    assert growing > 5
+
+    def on_disk():                                      # while it grows, with nothing of ours
+        with suppress(OSError, KeyError), h5py.File(path, "r") as file:
+            return len(file["particles/trajectory/position/step"])
+        return 0
+
+    growing = wait_for(lambda: (frames := on_disk()) > 5 and frames)
     time.sleep(1.5)
     process.send_signal(signal.SIGKILL)
     process.wait()
