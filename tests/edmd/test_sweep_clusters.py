@@ -19,6 +19,8 @@ from waiting import wait_for
 import edmd
 from edmd.sweeps.campaign import SweepStopped
 
+pytestmark = pytest.mark.usefixtures("no_summary")
+
 HERE = HERE | {"PYTHONPATH": os.pathsep.join([HERE["PYTHONPATH"], str(Path(swept.__file__).parent)])}
 DASK = [sys.executable, "-m", "dask"]
 GRID = {"width": [1, 2, 3, 4, 5, 6]}

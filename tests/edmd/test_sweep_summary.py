@@ -54,6 +54,7 @@ def test_columns_of_what_runs_have_and_have_not(tmp_path):
     ([{"x": x, "k": k} for x, k in ((0.1, 3), (0.5, 1), (0.7, 2))], [{"y": y} for y in (1, 2, 5)]),    # a random design
     ([{"k": k} for k in "ab"], [{"y": 1}, {"y": 2}]),    # no number varies
     ([{}, {}, {}], [{"y": y} for y in (1, 2, 5)]),    # replicas alone
+    ([{"x": x} for x in (1, 2, 3)], [{"y": 1}, None, {"y": 2}]),    # a run that failed
 ])
 def test_every_kind_of_design_is_drawn(points, results, tmp_path):
     table = columns(points, results)

@@ -24,6 +24,8 @@ import edmd
 from edmd.cli import main
 from edmd.sweeps.pools import attempt
 
+pytestmark = pytest.mark.usefixtures("no_summary")
+
 ROOT = Path(__file__).parents[2]
 HERE = os.environ | {"PYTHONPATH": str(ROOT)}
 GRID = {"width": [1, 2, 3], "height": [0.5, 4.0]}
@@ -61,7 +63,8 @@ def command(*arguments, **options):
 
 # the table
 
-def test_a_function_over_a_grid(tmp_path):
+def test_a_function_over_a_grid(tmp_path, monkeypatch):
+    monkeypatch.undo()                                                  # this one draws its summary
     table = edmd.sweep(swept.area, GRID, tmp_path / "sweep", replicas=2)
     assert (table["status"] == "done").all()
     assert table["width"].tolist() == [1] * 4 + [2] * 4 + [3] * 4
