@@ -132,12 +132,9 @@ def test_a_directory_of_another_sweep(change, words, tmp_path):
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
-def test_a_config_that_has_changed_is_another_sweep(tmp_path):
-    document = {"system": {"kind": "random", "n": 8}, "stage": [{"kind": "run", "time": 0.1}]}
-    edmd.sweep(document, {"stage.0.time": [0.1]}, tmp_path)
-    document["system"]["n"] = 9
-    with pytest.raises(ValueError, match=r"config: system\.n was 8 there and is 9 now"):
-        edmd.sweep(document, {"stage.0.time": [0.1]}, tmp_path)
+def test_a_config_that_has_changed_is_another_sweep(whole, capsys):
+    assert main(["sweep", str(whole.parent / "sweep.toml"), "--set", "run.system.n=25"]) == 2
+    assert "config: system.n was 24 there and is 25 now" in capsys.readouterr().err
 
 
 def test_a_directory_that_is_none_of_a_sweep(tmp_path):
