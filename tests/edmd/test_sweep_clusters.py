@@ -6,8 +6,9 @@ import signal
 import subprocess
 import sys
 import threading
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import NamedTuple
 
 import dask
 import psutil
@@ -40,22 +41,49 @@ def started(*commands):
             process.wait()
 
 
+class Running(NamedTuple):
+    """The address of a cluster, its scheduler, and what started its workers."""
+
+    address: str
+    scheduler: subprocess.Popen
+    workers: subprocess.Popen
+
+
 @contextmanager
-def cluster(folder):
-    """A scheduler and two workers under their nannies: (address, the scheduler, what started the workers)."""
+def begun(folder):
+    """A scheduler and two workers under their nannies."""
     file = folder / "scheduler.json"
     with started(["scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(file)],
                  ["worker", "--scheduler-file", str(file), "--nthreads", "1", "--nworkers", "2", "--no-dashboard",
-                  "--local-directory", str(folder)]) as (scheduler, workers):
+                  "--local-directory", str(folder)]) as processes:
         wait_for(file.exists)
-        yield json.loads(file.read_text())["address"], scheduler, workers
+        yield Running(json.loads(file.read_text())["address"], *processes)
+
+
+@pytest.fixture(scope="module")
+def clusters(tmp_path_factory):
+    """() -> the cluster that is there, which takes longer to start than a test takes; a new one if a test has killed it."""
+    with ExitStack() as stack:
+        running = []
+
+        def one():
+            if not running or running[-1].scheduler.poll() is not None:
+                running.append(stack.enter_context(begun(tmp_path_factory.mktemp("cluster"))))
+            return running[-1]
+
+        yield one
+
+
+@pytest.fixture
+def cluster(clusters):
+    return clusters()
 
 
 @pytest.fixture(scope="module")
 def at_once(tmp_path_factory):
     """The directory of the sweep on this machine."""
     directory = tmp_path_factory.mktemp("sweep") / "local"
-    edmd.sweep(swept.slow, GRID, directory)
+    edmd.sweep(swept.slow, GRID, directory, workers=6)
     return directory
 
 
@@ -80,46 +108,45 @@ def in_the_middle(directory, act):
     return thread, done
 
 
-def test_a_worker_is_killed_and_then_the_scheduler(at_once, tmp_path):
-    directory = tmp_path / "killed"
-    with cluster(tmp_path) as (address, scheduler, workers):
-        def kill_a_worker(processes):
-            """The Dask worker under whose hands a run is; not the run, which must end by itself."""
-            worker = processes[0].parent()
-            worker.kill()
-            return worker.pid
-
-        thread, done = in_the_middle(directory, kill_a_worker)
-        edmd.sweep(swept.slow, GRID, directory, address)
-        thread.join()
-        assert done[0] not in (workers.pid, scheduler.pid, os.getpid())
-        assert same_tables(at_once, directory)
-
-        thread, _ = in_the_middle(tmp_path / "lost", lambda processes: scheduler.kill())
-        with pytest.raises(SweepStopped, match=r"the cluster went away; [1-5] of 6 runs are done, and the same command does the rest"):
-            edmd.sweep(swept.slow, GRID, tmp_path / "lost", address)
-        thread.join()
-    edmd.sweep(swept.slow, GRID, tmp_path / "lost")
-    assert same_tables(at_once, tmp_path / "lost")
-
-
-def test_interrupted(tmp_path):
+def test_interrupted(cluster, tmp_path):
     """Ctrl-C: the two runs under way on the cluster end after a last checkpoint, and the third is not begun."""
     directory, file = tmp_path / "sweep", tmp_path / "sweep.toml"
     file.write_text(CONFIG.format(directory=directory).replace("[0.02, 0.05]", "[0.0005, 0.0006, 0.0007]"))   # slow: two at a time
-    with cluster(tmp_path) as (address, *_):
-        process = command(str(file), "--scheduler", address)
-        wait_for(lambda: len(under_way(directory)) == 2)
-        children = [child for _, child in under_way(directory)]
-        process.send_signal(signal.SIGINT)
-        told = process.communicate()[1]
-        assert process.returncode == 130
-        assert not any(child.is_running() for child in children)
-        assert "2 runs under way on 2 workers were ended" in told
-        assert "interrupted; 0 of 3 runs are done, and the same command does the rest" in told
-        assert "Traceback" not in told
-        assert [len(list(directory.glob(f"runs/*/{name}"))) for name in ("run.checkpoint.npz", "run.h5md", "result.json")] == [2, 2, 0]
-        assert len(list(directory.glob("runs/*"))) == 2
+    process = command(str(file), "--scheduler", cluster.address)
+    wait_for(lambda: len(under_way(directory)) == 2)
+    children = [child for _, child in under_way(directory)]
+    process.send_signal(signal.SIGINT)
+    told = process.communicate()[1]
+    assert process.returncode == 130
+    assert not any(child.is_running() for child in children)
+    assert "2 runs under way on 2 workers were ended" in told
+    assert "interrupted; 0 of 3 runs are done, and the same command does the rest" in told
+    assert "Traceback" not in told
+    assert [len(list(directory.glob(f"runs/*/{name}"))) for name in ("run.checkpoint.npz", "run.h5md", "result.json")] == [2, 2, 0]
+    assert len(list(directory.glob("runs/*"))) == 2
+
+
+def test_a_worker_is_killed_and_then_the_scheduler(cluster, at_once, tmp_path):
+    directory = tmp_path / "killed"
+
+    def kill_a_worker(processes):
+        """The Dask worker under whose hands a run is; not the run, which must end by itself."""
+        worker = processes[0].parent()
+        worker.kill()
+        return worker.pid
+
+    thread, done = in_the_middle(directory, kill_a_worker)
+    edmd.sweep(swept.slow, GRID, directory, cluster.address)
+    thread.join()
+    assert done[0] not in (cluster.workers.pid, cluster.scheduler.pid, os.getpid())
+    assert same_tables(at_once, directory)
+
+    thread, _ = in_the_middle(tmp_path / "lost", lambda processes: cluster.scheduler.kill())
+    with pytest.raises(SweepStopped, match=r"the cluster went away; [1-5] of 6 runs are done, and the same command does the rest"):
+        edmd.sweep(swept.slow, GRID, tmp_path / "lost", cluster.address)
+    thread.join()
+    edmd.sweep(swept.slow, GRID, tmp_path / "lost")
+    assert same_tables(at_once, tmp_path / "lost")
 
 
 def test_no_cluster_at_this_address(tmp_path, monkeypatch):
