@@ -179,7 +179,7 @@ def command(*arguments, **options):
 def test_killed_at_random_moments_and_resumed(whole, tmp_path):
     """SIGKILL, twice, in a run that checkpoints itself every tenth of a second; then to its end: every dataset is the same."""
     path, config, seed = tmp_path / "run.h5md", tmp_path / "run.toml", time.time_ns()
-    document = DOCUMENT | {"stage": [DOCUMENT["stage"][0] | {"collisions_per_particle": 2000, "frames": {"time": 1.0}},
+    document = DOCUMENT | {"stage": [DOCUMENT["stage"][0] | {"collisions_per_particle": 1000, "frames": {"time": 1.0}},
                                      *DOCUMENT["stage"][1:]]}
     config.write_text(config_text(document))
     draw, checkpoint = random.Random(seed), path.with_suffix(".checkpoint.npz")
@@ -190,7 +190,7 @@ def test_killed_at_random_moments_and_resumed(whole, tmp_path):
             if checkpoint.exists() and checkpoint.stat().st_mtime > began:
                 made.add(checkpoint.stat().st_mtime_ns)
             time.sleep(0.01)
-        time.sleep(draw.uniform(0, 0.5))
+        time.sleep(draw.uniform(0, 0.25))
         process.kill()
         process.communicate()
         assert process.returncode == -signal.SIGKILL, f"too quick to be killed, seed {seed}"
