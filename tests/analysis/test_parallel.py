@@ -1,6 +1,9 @@
 """Frames spread over processes by MDAnalysis give what they give one after the other, to the last bit."""
 
 import inspect
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack, nullcontext
+from functools import cache
 
 import MDAnalysis as mda
 import numpy as np
@@ -22,13 +25,22 @@ def test_all_are_here():
         "StructureFactor"}
 
 
+@pytest.fixture(scope="module")
+def begun():
+    """Fresh processes as the first analysis begins them, which stay for the next one: they take seconds to start."""
+    with ExitStack() as stack:
+        pool = cache(lambda *arguments: stack.enter_context(ProcessPoolExecutor(*arguments)))
+        yield lambda *arguments: nullcontext(pool(*arguments))
+
+
 BY_DASK = ("NearContacts",)         # in the suite; the others by multiprocessing, all by both behind the marker `validate`
 
 
 @pytest.mark.parametrize(("name", "backend"), [
     pytest.param(name, backend, marks=() if (backend == "dask") == (name in BY_DASK) else pytest.mark.validate)
     for name in CLASSES for backend in ("multiprocessing", "dask")])
-def test_two_processes_give_the_same(moving, name, backend):
+def test_two_processes_give_the_same(moving, begun, monkeypatch, name, backend):
+    monkeypatch.setattr("analysis.frames.ProcessPoolExecutor", begun)
     if name == "SteinhardtOrder":
         pytest.importorskip("freud")
     atoms = mda.Universe(moving[0]).select_atoms("species 0 1")
