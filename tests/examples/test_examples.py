@@ -211,6 +211,7 @@ def test_each_example_runs_and_leaves_its_files(script, arguments, files, said, 
     monkeypatch.setattr(script, "INSTANTS", (0.0, 0.3), raising=False)         # pictures take most of the time
     monkeypatch.setattr("analysis.shading.SKY_LAMPS", 6)
     monkeypatch.setattr(script, "PIXELS", (60, 60), raising=False)
+    monkeypatch.setattr(script, "SHAPES", {"ellipsoids": [1.25, 1.0, 0.8]}, raising=False)
     for name, fewer in {"RATES": [0.1], "ASPECT_RATIOS": [0.8, 1.5], "PACKING_FRACTIONS": [0.45, 0.30]}.items():
         if hasattr(script, name):
             rising = getattr(script, name)[0] < getattr(script, name)[-1]
