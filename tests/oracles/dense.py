@@ -73,7 +73,7 @@ def free_courses(orientation, angular_velocity, moments, t_max):
     return courses
 
 
-def contact_function_and_normal(r, axes_a, axes_b, halvings=55):
+def contact_function_and_normal(r, axes_a, axes_b, steps=55):
     """f (K,), the Perram-Wertheim contact function, and the gradient n (K, 3) = df/dr / 2, along the contact normal from A to B.
 
     In the frame where A is the unit sphere, B has squared semi-axes m and r has components c along them:
@@ -83,22 +83,29 @@ def contact_function_and_normal(r, axes_a, axes_b, halvings=55):
     relative = inverse @ axes_b
     m, directions = np.linalg.eigh(relative @ relative.transpose(0, 2, 1))
     c = (directions.transpose(0, 2, 1) @ (inverse @ r[:, :, None]))[:, :, 0]
-    x = _where_the_contact_function_is_largest(m.T.copy(), (c**2).T.copy(), halvings)
+    x = _where_the_contact_function_is_largest(m.T.copy(), (c**2).T.copy(), steps)
     weighted = (x * (1 - x))[:, None] * c / ((1 - x)[:, None] + x[:, None] * m)
     normal = inverse.transpose(0, 2, 1) @ (directions @ weighted[:, :, None])
     return (weighted * c).sum(axis=1), normal[:, :, 0]
 
 
-def _where_the_contact_function_is_largest(m, squares, halvings):
-    """x (K,) in (0, 1) where its slope is zero, by halving; m and c^2 as (3, K)."""
-    low, high = np.zeros(m.shape[1]), np.ones(m.shape[1])
-    for _ in range(halvings):
-        x = 0.5 * (low + high)
+def _where_the_contact_function_is_largest(m, squares, steps):
+    """x (K,) in (0, 1) where its slope is zero; m and c^2 as (3, K). Newton's steps, and halves where those lead astray."""
+    low, high, x = np.zeros(m.shape[1]), np.ones(m.shape[1]), np.full(m.shape[1], 0.5)
+    for _ in range(steps):
         y = 1 - x
-        slope = (squares * (y**2 - x**2 * m) / (y + x * m) ** 2).sum(axis=0)
+        weight = y + x * m
+        slope = (squares * (y**2 - x**2 * m) / weight**2).sum(axis=0)
         rising = slope > 0
         low, high = np.where(rising, x, low), np.where(rising, high, x)
-    return 0.5 * (low + high)
+        with np.errstate(invalid="ignore"):                             # concentric bodies: f is zero everywhere
+            new = x + 0.5 * slope / (squares * m / weight**3).sum(axis=0)
+        new = np.where((low <= new) & (new <= high), new, 0.5 * (low + high))
+        near = np.abs(new - x) <= 1e-9 * np.minimum(x, y)               # the next step would be by its square
+        x = new
+        if near.all():
+            break
+    return x
 
 
 def touching_scale(a, b, time):

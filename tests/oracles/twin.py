@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 CUT = 16                    # into how many a segment is cut
 FINEST = 1e-6               # width of the last segments, in units of the window
 BEYOND = 1.001              # how far the twin looks, in units of the time of a record's last collision
-HALVINGS = 12               # of the pencil parameter where any good plane will do,
+STEPS = 12                  # of the pencil parameter where any good plane will do,
 PRECISE = 28                # and where the touching scale must be exact: it is stationary there
 
 
@@ -121,11 +121,11 @@ class Twin:
         near = np.linalg.norm(r + v * closest[:, None], axis=1) <= self.radius[i] + self.radius[j]
         return i[near], j[near], shift[near]
 
-    def _looked_at(self, i, j, shift, time, halvings):
+    def _looked_at(self, i, j, shift, time, steps):
         """Touching scale and the gap between the planes of a good normal, a lower bound of the distance."""
         (center_a, axes_a), (center_b, axes_b) = self._at(i, time), self._at(j, time)
         r = center_b + shift - center_a
-        f, n = contact_function_and_normal(r, axes_a, axes_b, halvings)
+        f, n = contact_function_and_normal(r, axes_a, axes_b, steps)
         n /= np.linalg.norm(n, axis=1)[:, None]
         supports = np.linalg.norm(np.einsum("ki,kij->kj", n, axes_a), axis=1) + np.linalg.norm(np.einsum("ki,kij->kj", n, axes_b), axis=1)
         return np.sqrt(f), (n * r).sum(axis=1) - supports
@@ -140,7 +140,7 @@ class Twin:
         inside = np.full(len(i), np.inf)                    # a time when the pair overlaps, the first known
         pair, middle, width = np.arange(len(i)), np.full(len(i), self.time + window / 2), window
         while len(pair) and width > FINEST * window:
-            mu, gap = self._looked_at(i[pair], j[pair], shift[pair], middle, HALVINGS)
+            mu, gap = self._looked_at(i[pair], j[pair], shift[pair], middle, STEPS)
             deep = np.flatnonzero(mu < 1)
             if len(deep):
                 k = pair[deep]
