@@ -1,8 +1,8 @@
 """Neighbour lists that follow the shape (docs/theory.md, section 4).
 
 Each body has an anchor: the pose it was about to have when its list was made, with a margin. It stays inside the anchor shape grown by the
-margin until its ESCAPE_TIME. Two bodies are neighbours when the gap between their anchors is below the sum of their margins: so nothing outside the list
-can be touched before the escape. One body at a time is looked at again, and the predictions of the pairs that stay are kept.
+margin until its ESCAPE_TIME. Two bodies are neighbours when the gap between their anchors is below the sum of their margins: so nothing
+outside the list can be touched before the escape. One body at a time is looked at again; the predictions of the pairs that stay are kept.
 """
 
 from math import inf, pi, sqrt
@@ -245,7 +245,7 @@ def _search(world, body):
                 i, j = (i, j + 1) if j < last[1] else (i + 1, first[1])
                 k, end = row_within(grid, layers, f, (i, j), reach, (first[2], last[2]))
             if found > HITS or i > last[0]:
-                status = _sift(world, body, found, widest > 2 * (reach + 2 * margin))  # a pair just dropped was within reach two margins ago
+                status = _sift(world, body, found, widest > 2 * (reach + margin))     # a pair just dropped was within reach two margins ago
                 if status != DONE:
                     return status
                 found = 0
