@@ -63,6 +63,7 @@ from edmd.tolerances import (
     EPOCH_LOOKS,
     GROWTH_HORIZON,
     HORIZON_FREE_TIMES,
+    HORIZON_OFF,
     INSTANT_SHARE,
     REFINE_BELOW,
 )
@@ -118,7 +119,7 @@ def _pace(world, free_time):
     horizon = HORIZON_FREE_TIMES * free_time
     if clock[GROWTH] != 0.0:
         horizon = min(horizon, GROWTH_HORIZON * clock[SIZE] / abs(clock[GROWTH]))
-    if not 0.5 * clock[HORIZON] < horizon < 2.0 * clock[HORIZON]:
+    if not clock[HORIZON] < HORIZON_OFF * horizon < HORIZON_OFF**2 * clock[HORIZON]:
         clock[HORIZON] = horizon
         predict_all(world)
 
