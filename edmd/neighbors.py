@@ -146,17 +146,16 @@ def escape(world, body):
 def rebuild(world, body):
     """Anchor the body where it will be and make its list: drop the pairs that have come apart, find the new ones."""
     world.tally[REBUILDS] += 1
-    if not _anchor(world, body):
-        world.anchors[body, ANCHOR_POSITION] = inf
-        return NO_ROOM
-    begin = int(world.lists.spans[body, BEGIN])
-    _mark_listed(world, body)
-    for slot in range(int(world.lists.spans[body, COUNT]) - 1, -1, -1):
-        if not still_near(world, body, begin + slot):
-            _remove(world, body, slot)
-    status = _search(world, body)
-    if status != DONE:
-        world.anchors[body, ANCHOR_POSITION] = inf        # the list is not complete: the next escape makes it again
+    anchor, status = world.anchors[body], NO_ROOM
+    if _anchor(world, body):
+        begin = int(world.lists.spans[body, BEGIN])
+        _mark_listed(world, body)
+        for slot in range(int(world.lists.spans[body, COUNT]) - 1, -1, -1):
+            if not still_near(world, body, begin + slot):
+                _remove(world, body, slot)
+        status = _search(world, body)
+    if status != DONE:                                      # the list is not complete: it is to be made again, now
+        anchor[ANCHOR_POSITION], anchor[ESCAPE_TIME] = inf, world.clock[NOW]
     return status
 
 
