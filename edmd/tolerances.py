@@ -15,6 +15,7 @@ ALIGNED = 1e-12             # squared tilt up to which a plane is the best one: 
 WELL_ALIGNED = 1e-4         # the square of that over the gap, in units of the supports, up to which it is good enough without a contact
 CROSSED = 1e-12            # depth, in units of the supports, from which a plane that should be between two bodies cuts into them
 NEWTON_STEPS = 6            # cap of steps of Newton's method for a plane; 1 or 2 are used
+PRESSED = 4.0               # how deep bodies may be driven together after a collision, in units of what their gap is known to
 GRAZING = 1e-10             # gap, in units of the supports, below which a plane on record, in float32, would be worse than the best one
 SHOTS = 8                   # cap of shots in a row at a contact that is near; two or three are used
 LOOK_PAST = 2.0             # how far ahead a sharp bound looks, in units of the expected time to the contact

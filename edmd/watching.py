@@ -26,7 +26,7 @@ from edmd.pairs import (
     within,
 )
 from edmd.state import GROWTH, HORIZON, LOOKS, MET, MET_SINCE, MET_TIME, NOW, PARTNER, REFINE, ROUNDING, TIME, TWIN
-from edmd.tolerances import ALIGNED, ALMOST, CROSSED, FAR, GRAZING, IMMINENT, LOOK_PAST, NEWTON_STEPS, SHOTS, WELL_ALIGNED
+from edmd.tolerances import ALIGNED, ALMOST, CROSSED, FAR, GRAZING, IMMINENT, LOOK_PAST, NEWTON_STEPS, PRESSED, SHOTS, WELL_ALIGNED
 
 NEWTON, AIMED, BEST = range(3)          # ways to a plane, each for where the one before will not do
 UNKNOWN = -1.0                          # a gap where float64 cannot tell
@@ -82,8 +82,9 @@ def _shoot(world, entry, body, partner):
             reach = LOOK_PAST * max(lead, soon) if lead > 0.0 else clock[HORIZON]
             below, above = support_until(seen[0], size, growth, reach), support_until(seen[1], size, growth, reach)
             gap, rate, bend = dot(n, r) - below[0] - above[0], dot(n, subtract(other[1], own[1])) - below[1] - above[1], below[2] + above[2]
-            span = within(reach, holding_time(gap, rate, bend), bend)
             touch = TOUCHING * (below[0] + above[0]) + clock[ROUNDING]                # positions are known no better
+            pressed = rate >= 0.0 and gap <= touch      # bodies that part and may be driven together: a gap of 0 would be no time
+            span = within(reach, holding_time(gap + PRESSED * touch if pressed else gap, rate, bend), bend)
             close = gap <= touch or time + span == time
             if (gap >= 0.0 and not close) or (best and (gap >= 0.0 or lead == 0.0)):
                 break                                   # else, aimed ahead, it cuts into the bodies now, or two that touch need the best

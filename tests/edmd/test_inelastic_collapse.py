@@ -76,6 +76,19 @@ def test_a_pair_of_ellipsoids_that_presses_together_is_found():
     simulation.verify()
 
 
+@pytest.mark.parametrize("gap", [-1e-15, 0.0, 1e-15, 1e-14])
+def test_bodies_that_turn_into_each_other_from_rest_go_on(gap):
+    """A plate that lies flat on a ball and begins to turn: no gap, no rate, and its edge comes. Elastic: it must not stand still."""
+    system = edmd.System([[5, 5, 5], [5, 5, (1 / 3 + 0.5) * (1 + gap) + 5]], [[1, 0, 0, 0]] * 2, [[1, 1, 1 / 3], [0.5, 0.5, 0.5]], 10.0,
+                         velocities=np.zeros((2, 3)), angular_velocities=[[1, 0, 0], [0, 0, 0]])
+    simulation = edmd.Simulation(system)
+    energy = simulation.energy
+    simulation.run(collisions=2000)
+    assert simulation.time > 0
+    assert simulation.energy == pytest.approx(energy, rel=1e-12)
+    simulation.verify()
+
+
 def test_bodies_at_rest_are_told_when_collisions_are_waited_for():
     simulation = granular.line((0, 3), (1, -1), edmd.Inelastic(0.0))
     with pytest.raises(edmd.Stalled, match=r"after 1 collisions.*at rest"):
