@@ -24,7 +24,6 @@ from scipy.spatial.transform import Rotation
 import ccd
 
 FASTEST = 10.0              # the relative speed that surely meets whom it is offered, in thermal speeds
-HALVINGS = 40               # of the pencil parameter, for a normal
 APART = 1e-12               # how far centres are moved apart at a contact, in units of their distance, lest rounding let bodies overlap
 
 PLATES = {"semi_axes": (1, 1, 1 / 3), "restitution": 0.8}
@@ -104,7 +103,7 @@ class ThinGas:
         """Eq. (26) for pairs that touch and approach."""
         shapes = (Rotation.from_quat(_quaternions(self.axis[bodies]), scalar_first=True).as_matrix() * self.semi_axes
                   for bodies in (one, other))
-        normal = _unit(contact_function_and_normal(place, *shapes, halvings=HALVINGS)[1])
+        normal = _unit(contact_function_and_normal(place, *shapes)[1])
         arm, other_arm = (np.cross(self._lever(bodies, outward), normal) for bodies, outward in ((one, normal), (other, -normal)))
         apart = (((self.velocity[other] - self.velocity[one]) * normal).sum(axis=1)
                  + (self.spin[other] * other_arm).sum(axis=1) - (self.spin[one] * arm).sum(axis=1))
