@@ -18,8 +18,7 @@ from edmd.inertia import angular_velocities
 DEPTH = 1e-11           # relative depth up to which a touching pair may read as overlapping
 ENERGY_ERROR = 1e-10    # relative
 EARLY = 1e-13           # by how much a contact may come before its prediction: the time in which a body moves by this part of its length
-GRAZING = 1e3           # by how many times more where the bodies graze: they do not overlap at the prediction either
-FAINT = 1e-13           # rate of a gap, in units of the velocities, that is none
+HALVINGS = 60           # of the time from a contact to the later prediction: looks at whether the bodies overlap, down to the contact
 PLANE_LOSS = 0.1        # relative amount by which the list's best plane may fall short of the distance it bounds
 
 
@@ -180,13 +179,10 @@ def _check_predictions(world):
     time, status = batch.first_contact(a, b, longest)
     speed = np.sqrt((rows[:, state.VELOCITY:state.VELOCITY + 3]**2).sum(axis=1).mean())
     slack = EARLY * size * kinds[:, state.LARGEST].max() / speed if speed > 0 else 0.0
-    early = (status == Status.CONTACT) & (time < np.minimum(span, longest) - slack)
-    for k in np.flatnonzero(early):
+    for k in np.flatnonzero((status == Status.CONTACT) & (time < np.minimum(span, longest) - slack)):
         pair, shift = [body[held][k], world.lists.links[entry[k], state.PARTNER]], _images(world, entry[k:k + 1])[0] @ world.grid.box
-        if span[k] - time[k] <= GRAZING * slack and _apart_at(world, pair, shift, now + span[k]):
-            continue
-        faint = max(FAINT * speed, DEPTH * a.semi_axes[k].min() / span[k])          # too slow to overlap before the prediction
-        assert _rests(a, b, k, faint), f"a pair touches at {time[k]!r}, before its prediction {span[k]!r}"
+        later = now + time[k] + (min(span[k], longest) - time[k]) * 0.5**np.arange(HALVINGS)
+        assert all(_apart_at(world, pair, shift, t) for t in later), f"a pair touches at {time[k]!r}, before its prediction {span[k]!r}"
 
 
 def _apart_at(world, bodies, shift, time):
@@ -197,10 +193,3 @@ def _apart_at(world, bodies, shift, time):
                             row[state.POSITION:state.POSITION + 3] + move, row[state.ORIENTATION:state.ORIENTATION + 4])
                   for row, move in zip(rows, (0.0, shift)))
     return separation(one, other).contact_function >= 1 - 2 * DEPTH
-
-
-def _rests(a, b, k, faint):
-    """Whether a pair touches and neither parts nor approaches, but for rounding: plastic collisions leave such pairs."""
-    found = separation(*(Ellipsoid(part.semi_axes[k], part.center[k], part.orientation[k]) for part in (a, b)))
-    of_a, of_b = (part.velocity[k] + np.cross(part.angular_velocity[k], found.point - part.center[k]) for part in (a, b))
-    return abs(found.contact_function - 1) <= 2 * DEPTH and abs(found.normal @ (of_b - of_a)) <= faint

@@ -1,5 +1,7 @@
 """Every invariant of the world after every single event, in small systems where mistakes show; and contacts by an independent check."""
 
+from contextlib import nullcontext
+
 import fluids
 import independent
 import numpy as np
@@ -7,6 +9,7 @@ import pytest
 from cross_section import cross_section, some_of
 
 import edmd
+from edmd import state
 
 EVENTS = [24, 300]           # of the cheap shapes, the second behind `validate`; a check of long and flat bodies costs ten times as much
 CASES = {**{shape: (shape, 24, 0.45) for shape in fluids.SHAPES}, "needle": ((0.5, 0.5, 2.0), 24, 0.3), "plate": ((2.0, 2.0, 0.4), 32, 0.3)}
@@ -90,10 +93,41 @@ def test_mixture_of_sizes_shapes_and_masses():
     assert abs(independent.momentum(simulation.system)).max() < 1e-12
 
 
-def test_verify_sees_a_body_out_of_place():
+def out_of_place(world):
+    world.bodies[3, :3] += 0.3 * world.grid.box.diagonal() / 2
+
+
+def out_of_the_lists(world):
+    world.anchors[:, state.ANCHOR_MARGIN] *= 3
+
+
+def out_of_order(world):
+    world.calendar.time[0] += 1.0
+
+
+def out_of_energy(world):
+    world.clock[state.ENERGY] *= 1 + 1e-9
+
+
+@pytest.mark.parametrize(("damage", "told"), [(out_of_place, "overlap"), (out_of_the_lists, "not listed"), (out_of_order, "calendar"),
+                                              (out_of_energy, "account")])
+def test_verify_sees_what_is_wrong(damage, told):
     """The check itself can fail."""
     simulation = edmd.Simulation(fluids.fluid("prolate", 24, 0.45, seed=12)).run(collisions=50)
     simulation.verify()
-    simulation._world.bodies[3, :3] += 0.3 * simulation._world.grid.box.diagonal() / 2
-    with pytest.raises(AssertionError):
+    damage(simulation._world)
+    with pytest.raises(AssertionError, match=told):
+        simulation.verify()
+
+
+@pytest.mark.parametrize(("speed", "late", "seen"), [(1.0, 1e-14, False), (1.0, 1e-9, True), (1.0, 6.0, True),
+                                                     (1e-9, 1e-3, False), (1e-9, 1.0, True)])
+def test_verify_sees_a_prediction_that_is_late(speed, late, seen):
+    """Two spheroids about to meet end to end; late by so little that they hardly overlap till then is rounding, by 6 they are through."""
+    start = edmd.System([[2, 5, 5], [6.2, 5, 5]], [[1, 0, 0, 0]] * 2, [(2, 1, 1)] * 2, 20.0, velocities=[[speed, 0, 0], [-speed, 0, 0]])
+    simulation = edmd.Simulation(start)
+    lists = simulation._world.lists
+    held = [entry for entry in lists.spans[:, state.BEGIN] if lists.numbers[entry, state.EVENT] < np.inf]
+    lists.numbers[held, state.EVENT] = 0.1 / speed + late
+    with pytest.raises(AssertionError, match="before its prediction") if seen else nullcontext():
         simulation.verify()
