@@ -82,10 +82,12 @@ def _shoot(world, entry, body, partner):
             reach = LOOK_PAST * max(lead, soon) if lead > 0.0 else clock[HORIZON]
             below, above = support_until(seen[0], size, growth, reach), support_until(seen[1], size, growth, reach)
             gap, rate, bend = dot(n, r) - below[0] - above[0], dot(n, subtract(other[1], own[1])) - below[1] - above[1], below[2] + above[2]
-            touch = TOUCHING * (below[0] + above[0]) + clock[ROUNDING]                # positions are known no better
-            pressed = rate >= 0.0 and gap <= touch      # bodies that part and may be driven together: a gap of 0 would be no time
-            span = within(reach, holding_time(gap + PRESSED * touch if pressed else gap, rate, bend), bend)
-            close = gap <= touch or time + span == time
+            touch = TOUCHING * (below[0] + above[0])
+            give = PRESSED * touch + 4 * clock[ROUNDING]
+            touch += clock[ROUNDING]                                                  # positions are known no better
+            room = gap + give if gap <= touch and rate * rate <= 4 * bend * give else gap       # a bounce no higher than that, eq. (13c)
+            span = within(reach, holding_time(room, rate, bend), bend)
+            close = room <= touch or time + span == time
             if (gap >= 0.0 and not close) or (best and (gap >= 0.0 or lead == 0.0)):
                 break                                   # else, aimed ahead, it cuts into the bodies now, or two that touch need the best
         stiff = bend + 2 * (size * (own.turning[2] + other.turning[2]) + abs(growth) * (abs(seen[0][1]) + abs(seen[1][1])))

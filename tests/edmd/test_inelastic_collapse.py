@@ -76,17 +76,32 @@ def test_a_pair_of_ellipsoids_that_presses_together_is_found():
     simulation.verify()
 
 
-@pytest.mark.parametrize("gap", [-1e-15, 0.0, 1e-15, 1e-14])
-def test_bodies_that_turn_into_each_other_from_rest_go_on(gap):
-    """A plate that lies flat on a ball and begins to turn: no gap, no rate, and its edge comes. Elastic: it must not stand still."""
-    system = edmd.System([[5, 5, 5], [5, 5, (1 / 3 + 0.5) * (1 + gap) + 5]], [[1, 0, 0, 0]] * 2, [[1, 1, 1 / 3], [0.5, 0.5, 0.5]], 10.0,
+def a_plate_on_a_ball(gap, box, rule):
+    """It lies flat on the ball and begins to turn: no gap, no rate, and its edge comes."""
+    system = edmd.System([[1, 1, 1], [1, 1, (1 / 3 + 0.5) * (1 + gap) + 1]], [[1, 0, 0, 0]] * 2, [[1, 1, 1 / 3], [0.5, 0.5, 0.5]], box,
                          velocities=np.zeros((2, 3)), angular_velocities=[[1, 0, 0], [0, 0, 0]])
-    simulation = edmd.Simulation(system)
+    return edmd.Simulation(system, rule=rule)
+
+
+@pytest.mark.parametrize("rule", [edmd.Elastic(), edmd.Inelastic(0.8, contact_share=1e-3)], ids=["elastic", "inelastic"])
+@pytest.mark.parametrize(("gap", "box"), [(-1e-15, 10.0), (0.0, 10.0), (1e-15, 100.0), (1e-14, 6.0), (1e-12, 1000.0)])
+def test_bodies_that_turn_into_each_other_from_rest_go_on_until_they_part(gap, box, rule):
+    """They bounce as low as a gap is known, until the plate has slid off at a time of 1.3: time must not stand still, nor they sink in."""
+    simulation = a_plate_on_a_ball(gap, box, rule)
     energy = simulation.energy
-    simulation.run(collisions=2000)
-    assert simulation.time > 0
-    assert simulation.energy == pytest.approx(energy, rel=1e-12)
-    simulation.verify()
+    for _ in range(6):
+        simulation.run(time=0.25)
+        simulation.verify()
+    bounces = simulation.collisions
+    assert 100_000 < bounces < 2_000_000
+    assert simulation.energy == pytest.approx(energy, rel=1e-9)
+    simulation.run(time=0.5)
+    assert simulation.collisions == bounces
+
+
+def test_bodies_that_turn_into_each_other_collapse_where_each_collision_takes_energy():
+    with pytest.raises(edmd.Stalled, match="Inelastic collapse"):
+        a_plate_on_a_ball(0.0, 10.0, edmd.Inelastic(0.8)).run(time=1.0)
 
 
 def test_bodies_at_rest_are_told_when_collisions_are_waited_for():

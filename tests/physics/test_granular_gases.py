@@ -47,8 +47,11 @@ LONG = [((1, 1, 2.0), 0.9, 1.016), ((1, 1, 2.0), 0.8, 1.035), ((1, 1, 3.0), 0.9,
 @pytest.mark.parametrize(("axes", "e", "expected", "seeds"), [*((*case, 2) for case in SHORT),
                                                               *(pytest.param(*case, 8, marks=pytest.mark.validate) for case in LONG)])
 def test_rotation_and_translation_of_inelastic_ellipsoids(axes, e, expected, seeds):
-    """theta = T_rot / T_tr in the homogeneous cooling state. Contacts of turning bodies last: the TC model, counted, takes these."""
-    means = []
+    """theta = T_rot / T_tr in the homogeneous cooling state. Contacts of turning bodies last: the TC model, counted, takes these.
+
+    A quarter of the collisions are such, but a pair that is pressed together can make half of those of a run (docs/theory.md, (13c)).
+    """
+    means, spared = [], []
     for seed in range(1, 1 + seeds):
         simulation, seen = cooling(axes, 1500, 0.03, edmd.Inelastic(e, contact_share=3e-3), seed), []
         simulation.run(collisions_per_particle=12)
@@ -56,7 +59,9 @@ def test_rotation_and_translation_of_inelastic_ellipsoids(axes, e, expected, see
         simulation.run(collisions_per_particle=36, observers=[look])
         translation, rotation = np.transpose(seen)
         means += list((rotation / translation).reshape(3, -1).mean(axis=1))
-        assert 0 < simulation.contact_time_collisions < 0.5 * simulation.collisions
+        spared.append(simulation.contact_time_collisions / simulation.collisions)
+    assert min(spared) > 0
+    assert np.median(spared) < 0.4
     mean, error = independent.block_mean(means)
     assert error < 0.012
     assert abs(mean - expected) < 0.02 + (2 * error if seeds < 8 else 0)
