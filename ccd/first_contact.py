@@ -38,22 +38,23 @@ def support_motion(s, turning, n, reach):
 def support_course(s, turning, n):
     """How h(n) of a turning body begins, and what bounds it later: (value, rate, and four more that `bend_until` takes).
 
-    turning: (angular velocity and acceleration, a bound on h'' for every n and all time, a bound on a sixth of the third derivative of
-    h^2, 1 if the angular velocity is constant or else 0); if so the third derivative is taken as it is. No sine, no cosine.
+    turning: (angular velocity and acceleration, half the sum of the largest and the smallest squared semi-axis, a bound on h'' for every n
+    and all time, what the third derivative of h^2 over 6 may have above what is taken of it, and a bound on the fourth over 24). No sine,
+    no cosine.
     """
-    spin, acceleration, bend, swerve, steady = turning
+    spin, acceleration, middle, bend, third, fourth = turning
     p, q, w = dot(s[0], n), dot(s[1], n), dot(s[2], n)
     seen = cross(n, spin)
-    twice = add(cross(seen, spin), cross(n, acceleration))
+    bent = cross(n, acceleration)
+    twice = add(cross(seen, spin), bent)
     dp, dq, dw = dot(s[0], seen), dot(s[1], seen), dot(s[2], seen)
     ddp, ddq, ddw = dot(s[0], twice), dot(s[1], twice), dot(s[2], twice)
     h = sqrt(p * p + q * q + w * w)
     half_rate = p * dp + q * dq + w * dw
     rate = half_rate / h
-    square = steady * dot(spin, spin)
     second = dp * dp + dq * dq + dw * dw + p * ddp + q * ddq + w * ddw - rate * rate
-    third = swerve + steady * (dp * ddp + dq * ddq + dw * ddw) - (1 / 3) * square * half_rate
-    return h, rate, second, third, (1 / 3) * square * bend * h, bend
+    third += dp * ddp + dq * ddq + dw * ddw - (1 / 3) * dot(spin, spin) * half_rate - middle * dot(seen, bent)
+    return h, rate, second, third, fourth, bend
 
 
 @kernel

@@ -8,11 +8,12 @@ q: unit quaternion, body to lab; momentum: angular momentum, lab frame; inverse_
 """
 
 from math import copysign, inf, sqrt
+from typing import NamedTuple
 
 from ccd.compiling import kernel
-from ccd.rotation import cos_and_sinc, multiply, to_body, to_lab, turn
+from ccd.rotation import cos_and_sinc, multiply, to_body, to_lab, turn, unit
 from ccd.tolerances import DOUBLINGS, PERIOD, SHORT_TURN, STEADY
-from ccd.vectors import add_scaled, cross, dot, scale
+from ccd.vectors import add_scaled, cross, dot, norm, scale
 
 
 @kernel
@@ -41,56 +42,77 @@ def _combined(axes, x):
     return add_scaled(add_scaled(scale(x[0], axes[0]), x[1], axes[1]), x[2], axes[2])
 
 
+class Top(NamedTuple):
+    """All that tells how a free top turns from here, but the time, eq. (12b): for a momentum of length 1 and inverse moments times L."""
+
+    length: float           # L, of the angular momentum
+    x: tuple                # the direction of the momentum in the body's frame
+    drift: tuple            # x'
+    shift: tuple            # the d_i
+    spin: float             # 2 E / L
+    wobble: float           # |x'|^2
+    swerve: float           # chi L
+    square: float           # the sum of the squares of the e_i over 10: the k^4 term of k^2 times Weierstrass's function, over k^4
+    cube: float             # the product of the e_i over 7: the k^6 term, over k^6
+
+
+@kernel
+def top_of(q, momentum, inverse_moments):
+    """The `Top` of a body that stands and turns like this."""
+    length = norm(momentum)
+    x = scale(1.0 / length if length > 0.0 else 0.0, to_body(q, momentum))
+    rates = scale(length, inverse_moments)
+    slopes, squares = _differences(rates), _each(x, x)
+    drift, shift, spin = _each(slopes, _others(x)), _each(_others(slopes), squares), dot(rates, squares)
+    drifts = _each(drift, drift)
+    wobble = drifts[0] + drifts[1] + drifts[2]
+    mean, swerve = (shift[0] + shift[1] + shift[2]) * (1 / 3), spin * wobble - dot(rates, drifts)
+    e = (mean - shift[0], mean - shift[1], mean - shift[2])
+    return Top(length, x, drift, shift, spin, wobble, swerve, dot(e, e) * (1 / 10), e[0] * e[1] * e[2] * (1 / 7))
+
+
 @kernel
 def turn_freely(q, momentum, inverse_moments, time):
     """The orientation q after turning freely for some time, of either sign, made unit again, eqs. (12b) and (12c)."""
-    square = dot(momentum, momentum)
-    if square == 0.0:
-        return q
-    half = 0.5 * time
-    x = to_body(q, momentum)
-    rates = scale(half, _differences(inverse_moments))
-    drift = _each(rates, _others(x))
-    shift = _each(_others(rates), _each(x, x))
-    wobble = dot(drift, drift) / square
-    spin = dot(inverse_moments, _each(x, x)) / square
-    swerve = spin * wobble - dot(inverse_moments, _each(drift, drift)) / square
-    extent = abs(shift[0]) + abs(shift[1]) + abs(shift[2]) + wobble
-    doublings = 0
-    if extent > SHORT_TURN:
-        if wobble < STEADY * extent:
-            return turn(q, scale(spin, momentum), time)
-        part = 1.0
-        while extent > SHORT_TURN and doublings < DOUBLINGS:
-            extent, part, doublings = 0.25 * extent, 0.5 * part, doublings + 1
-        half, drift = part * half, scale(part, drift)
-        shift, wobble, swerve = scale(part * part, shift), part * part * wobble, part * part * swerve
-    curve = (shift, wobble, spin, swerve)
-    place = _short(curve, half * half * square)
-    if doublings > 0:
-        place = _doubled(place, curve, half * sqrt(square), doublings)
-    y, w, f, z, c, s = place
-    a, b = _each(x, _others(y)), _each(drift, y)
-    r0 = c * f * z
-    r1 = half * (c * (inverse_moments[0] - spin) * (x[0] * w + b[0]) + s * (a[0] + drift[0] * w))
-    r2 = half * (c * (inverse_moments[1] - spin) * (x[1] * w + b[1]) + s * (a[1] + drift[1] * w))
-    r3 = half * (c * (inverse_moments[2] - spin) * (x[2] * w + b[2]) + s * (a[2] + drift[2] * w))
-    unit = (1.5 - 0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])) / sqrt(r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3)
-    t0, t1, t2, t3 = multiply(q, (r0, r1, r2, r3))
-    return (unit * t0, unit * t1, unit * t2, unit * t3)
+    top = top_of(q, momentum, inverse_moments)
+    return unit(turn_top(top, q, momentum, inverse_moments, time)) if top.length > 0.0 else q
 
 
 @kernel
-def _short(curve, square):
+def turn_top(top, q, momentum, inverse_moments, time):
+    """`turn_freely` of a body whose `Top` is known, not made unit again."""
+    half, doublings = 0.5 * time, 0
+    size = abs(top.shift[0]) + abs(top.shift[1]) + abs(top.shift[2]) + top.wobble
+    extent = half * half * size
+    if extent > SHORT_TURN:
+        if top.wobble < STEADY * size:
+            return turn(q, scale(top.spin / top.length, momentum), time)
+        while extent > SHORT_TURN and doublings < DOUBLINGS:
+            extent, half, doublings = 0.25 * extent, 0.5 * half, doublings + 1
+    square = half * half
+    curve = (scale(square, top.shift), square * top.wobble, top.spin, square * top.swerve)
+    terms = (square * square * top.square, square * square * square * top.cube)
+    place = _short(curve, terms, square)
+    if doublings > 0:
+        place = _doubled(place, curve, terms, half, doublings)
+    y, w, f, z, c, s = place
+    a, b = _each(top.x, _others(y)), scale(half, _each(top.drift, y))
+    r0 = c * f * z
+    r1 = half * (c * (top.length * inverse_moments[0] - top.spin) * (top.x[0] * w + b[0]) + s * (a[0] + half * top.drift[0] * w))
+    r2 = half * (c * (top.length * inverse_moments[1] - top.spin) * (top.x[1] * w + b[1]) + s * (a[1] + half * top.drift[1] * w))
+    r3 = half * (c * (top.length * inverse_moments[2] - top.spin) * (top.x[2] * w + b[2]) + s * (a[2] + half * top.drift[2] * w))
+    return multiply(q, (r0, r1, r2, r3))
+
+
+@kernel
+def _short(curve, terms, square):
     """y, w, f, z and the cosine and scaled sine of the angle of eq. (12b), by series in k^2, whose terms are of the size of `shift`.
 
-    curve: (d_i, lambda, spin, chi), all but the spin times k^2; square: |k L|^2.
+    curve: (d_i, lambda, spin, chi), all but the spin times k^2; terms: the next two of k^2 times Weierstrass's function; square: k^2.
     """
-    shift, wobble, spin, swerve = curve
+    (shift, wobble, spin, swerve), (g, h) = curve, terms
     mean = (shift[0] + shift[1] + shift[2]) * (1 / 3)
-    e = (mean - shift[0], mean - shift[1], mean - shift[2])
     p = mean + wobble
-    g, h = dot(e, e) * (1 / 10), e[0] * e[1] * e[2] * (1 / 7)               # the k^4 and k^6 terms of k^2 times Weierstrass's function
     f = 1 + ((g + h) + (g * g * (1 / 3) + g * h * (3 / 11)) - mean)
     w = (1 - (g + 2 * h)) - (g * g + g * h * (12 / 11))
     integral = ((1 / 3 + p * (1 / 5)) + p * p * ((1 / 7 + p * (1 / 9)) + p * p * (1 / 11 + p * (1 / 13)))
@@ -101,14 +123,13 @@ def _short(curve, square):
 
 
 @kernel
-def _doubled(place, curve, length, doublings):
-    """What `_short` gives for a time, for 2^doublings times as long a one (in the same units), eq. (12c). length: |k L|."""
+def _doubled(place, curve, terms, half, doublings):
+    """What `_short` gives for a time, for 2^doublings times as long a one (in the same units), eq. (12c). half: k."""
     y, w, f, z, c, s = place
     shift, wobble, _, swerve = curve
-    mean = (shift[0] + shift[1] + shift[2]) * (1 / 3)
-    e = (mean - shift[0], mean - shift[1], mean - shift[2])
-    slope = 3 * (mean + wobble) * (mean + wobble) - 0.5 * dot(e, e)
-    s, v = s * length, swerve * length
+    p = (shift[0] + shift[1] + shift[2]) * (1 / 3) + wobble
+    slope = 3 * p * p - 5 * terms[0]
+    s, v = s * half, swerve * half
     least = min(shift)
     above = (shift[0] - least, shift[1] - least, shift[2] - least)
     product = max(above[0] * above[1], above[1] * above[2], above[2] * above[0])            # one of them is 0
@@ -122,7 +143,7 @@ def _doubled(place, curve, length, doublings):
         w = copysign(sqrt(y[0] * y[1] * y[2]), r)
         f = lowest - least
         z = max(f - wobble, PERIOD)
-    return y, w, f, z, c, s / length
+    return y, w, f, z, c, s / half
 
 
 @kernel
@@ -134,14 +155,13 @@ def _along(c, s, re, im):
 
 
 @kernel
-def fastest_turning(q, momentum, inverse_moments):
+def fastest_turning(top, inverse_moments):
     """The largest |w| and |dw/dt| of all time, eq. (12d), to rounding; attained, but for steady turning. w: angular velocity."""
-    x = to_body(q, momentum)
-    squares, rates = _each(x, x), _differences(inverse_moments)
-    w = _each(inverse_moments, x)
-    shift = _each(_others(rates), squares)
-    speed = dot(w, w) + max(0.0, shift[0], shift[1], shift[2])
-    weights = _each(_each(inverse_moments, inverse_moments), _each(rates, rates))
+    moments = scale(top.length, inverse_moments)
+    squares, rates = _each(top.x, top.x), _differences(moments)
+    w = _each(moments, top.x)
+    speed = dot(w, w) + max(0.0, top.shift[0], top.shift[1], top.shift[2])
+    weights = _each(_each(moments, moments), _each(rates, rates))
     product = rates[0] * rates[1] * rates[2]
     now = dot(weights, _others(squares))
     slope = (weights[0] * (rates[1] * squares[2] + rates[2] * squares[1]) + weights[1] * (rates[2] * squares[0] + rates[0] * squares[2])
@@ -155,6 +175,17 @@ def fastest_turning(q, momentum, inverse_moments):
         first, last = (max(first, end), last) if rate > 0 else (first, min(last, end))
     along = min(max(0.5 * slope / bend, first), last)
     return sqrt(speed), sqrt(max(now, now + along * (slope - along * bend)))
+
+
+@kernel
+def jolts(most, hardest, unequal, spread):
+    """Bounds for all time on what `support_course` leaves out of the third derivative of h^2 over 6, and on the fourth over 24, eq. (7d).
+
+    most, hardest: of `fastest_turning`; unequal: the largest difference of two moments over the third; spread: of the squared semi-axes.
+    """
+    square, jerk = most * most, 2 * unequal * most * hardest
+    fourth = 8 * square * (square + 3 * hardest) + 6 * hardest * hardest + 8 * most * jerk + 2 * unequal * (most * jerk + hardest * hardest)
+    return spread * ((1 / 2) * most * hardest + (1 / 6) * jerk), (1 / 24) * spread * fourth
 
 
 @kernel

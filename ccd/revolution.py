@@ -37,15 +37,18 @@ def shape_of_axis(u, across, along):
 
 
 @kernel
-def course_of_axis(axis, across, along, square, bend, n):
-    """`first_contact.support_course` of a body of revolution that turns at a constant rate. axis: (u, u', u''); square: |w|^2."""
+def course_of_axis(axis, squares, bend, fourth, n):
+    """`first_contact.support_course` of a body of revolution that turns at a constant rate.
+
+    axis: (u, u', u''); squares: of the semi-axes across it and along it, and |w|^2.
+    """
+    across, along, square = squares
     c, first, second = dot(axis[0], n), dot(axis[1], n), dot(axis[2], n)
     beside, d = add_scaled(n, -c, axis[0]), along - across
     h = sqrt(across * dot(beside, beside) + along * c * c)
     half_rate = d * c * first
     rate = half_rate / h
-    return (h, rate, d * (first * first + c * second) - rate * rate, d * first * second - (1 / 3) * square * half_rate,
-            (1 / 3) * square * bend * h, bend)
+    return h, rate, d * (first * first + c * second) - rate * rate, d * first * second - (1 / 3) * square * half_rate, fourth, bend
 
 
 @kernel

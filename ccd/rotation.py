@@ -101,3 +101,21 @@ def body_axes(q):
     return ((1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
             (2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)),
             (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)))
+
+
+@kernel
+def unit(q):
+    """A quaternion made unit."""
+    over = 1.0 / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    return (over * q[0], over * q[1], over * q[2], over * q[3])
+
+
+@kernel
+def axes_of_any(q):
+    """`body_axes` of a quaternion of any length: a division, which is sooner done than a root and another one."""
+    w, x, y, z = q
+    twice = 2.0 / (w * w + x * x + y * y + z * z)
+    a, b, c = twice * x, twice * y, twice * z
+    return ((1 - (y * b + z * c), x * b + w * c, x * c - w * b),
+            (x * b - w * c, 1 - (x * a + z * c), y * c + w * a),
+            (x * c + w * b, y * c - w * a, 1 - (x * a + y * b)))

@@ -11,8 +11,8 @@ import numba
 from ccd import first_contact
 from ccd.compiling import kernel, parallel_kernel
 from ccd.first_contact import CONTACT, NO_CONTACT, OVERLAPPING, UNRESOLVED
-from ccd.free_top import angular_momentum, angular_velocity, fastest_turning, turn_freely
-from ccd.rotation import body_axes, load_quaternion
+from ccd.free_top import angular_momentum, angular_velocity, fastest_turning, top_of, turn_freely, turn_top
+from ccd.rotation import body_axes, load_quaternion, unit
 from ccd.separation import best_plane, contact_point, semi_axis_vectors
 from ccd.tolerances import EXACT, SHOOT_STEPS, TOUCHING
 from ccd.vectors import add_scaled, load, norm, scale, subtract
@@ -31,26 +31,27 @@ def at_time(flight, time):
 
 @kernel
 def _launched(flight):
-    """(semi_axes, orientation, momentum, inverse_moments) and a bound on q'' / 2 for all time, eq. (12e)."""
+    """(semi_axes, orientation, momentum, inverse_moments, its `Top`) and a bound on q'' / 2 for all time, eq. (12e)."""
     semi_axes, _, orientation, _, spin, inverse_moments, _ = flight
     momentum = angular_momentum(orientation, spin, inverse_moments)
-    speed, change = fastest_turning(orientation, momentum, inverse_moments)
+    top = top_of(orientation, momentum, inverse_moments)
+    speed, change = fastest_turning(top, inverse_moments)
     least, most = min(semi_axes), max(semi_axes)
-    return (semi_axes, orientation, momentum, inverse_moments), (speed * speed + 0.5 * change) * (most - least) * (most + least)
+    return (semi_axes, orientation, momentum, inverse_moments, top), (speed * speed + 0.5 * change) * (most - least) * (most + least)
 
 
 @kernel
 def _posed(body, time):
     """Semi-axis vectors without growth, and the angular velocity, at a time."""
-    semi_axes, orientation, momentum, inverse_moments = body
-    turned = turn_freely(orientation, momentum, inverse_moments, time)
+    semi_axes, orientation, momentum, inverse_moments, top = body
+    turned = unit(turn_top(top, orientation, momentum, inverse_moments, time))
     return semi_axis_vectors(semi_axes, body_axes(turned)), angular_velocity(turned, momentum, inverse_moments)
 
 
 @kernel
 def _support(s, spin, bend, n):
     """`support_motion` by the tangent of h, eq. (12f), and up to when it holds: while the tangent is at least half of h, or for ever."""
-    h, rate, _ = first_contact.support_motion(s, (spin, (0.0, 0.0, 0.0), 0.0, 0.0, 1.0), n, 0.0)
+    h, rate, _ = first_contact.support_motion(s, (spin, (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0), n, 0.0)
     local, always = (bend - rate * rate) / h * (2.0 if rate < 0 else 1.0), bend / min(norm(s[0]), norm(s[1]), norm(s[2]))
     if rate < 0 and local < always:
         return (h, rate, local), -0.5 * h / rate

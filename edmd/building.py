@@ -101,7 +101,7 @@ class Synchronised(NamedTuple):
 def synchronised_rows(world, order):
     """The bodies of now in some order (n,), as copies, and the images (n, 3) of their positions. The world is not touched."""
     rows, now = world.bodies[order], world.clock[state.NOW]
-    advance_all(rows, world.kinds, now)
+    advance_all(rows, world.turns[order], world.kinds, now)
     turn_still(rows, world.kinds, world.clock[state.EPOCH] + now)
     positions, outside = wrap(rows[:, state.POSITION:state.POSITION + 3], world.grid.box)
     return Synchronised(positions, rows[:, state.VELOCITY:state.VELOCITY + 3], rows[:, state.ORIENTATION:state.ORIENTATION + 4],
@@ -171,8 +171,8 @@ def _kind_rows(system, rough):
 
 def margin_lengths(semi_axes):
     """The margins (n,) of the neighbourhoods of bodies with these semi-axes (n, 3)."""
-    sphere = semi_axes.max(axis=1) == semi_axes.min(axis=1)
-    return np.where(sphere, MARGIN_OF_SPHERES, MARGIN) * _cube_root(semi_axes.prod(axis=1))
+    shape = semi_axes.min(axis=1) / semi_axes.max(axis=1)
+    return (MARGIN + (MARGIN_OF_SPHERES - MARGIN) * shape * shape) * _cube_root(semi_axes.prod(axis=1))
 
 
 def _cube_root(x):
@@ -188,7 +188,7 @@ def _body_rows(system, kinds, kind):
     rows[:, state.KIND] = kind
     rows[:, state.MOMENTUM:state.MOMENTUM + 3] = angular_momenta(system)
     rows[:, state.ORIENTATION:state.ORIENTATION + 4] = system.orientations
-    turns = _aligned(system.n, state.TURN_ROW)
+    turns = _aligned(system.n, state.TURN_ROW_OF_TOPS if (kinds[:, state.MOTION] == state.FREE).any() else state.TURN_ROW)
     turns[:, state.MET_TIME] = -np.inf
     set_shapes(rows, turns, kinds)
     return rows, turns

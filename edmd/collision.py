@@ -4,7 +4,7 @@ from ccd.compiling import kernel, large_kernel
 from ccd.rotation import body_axes, load_quaternion
 from ccd.separation import support, support_point
 from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, store, subtract
-from edmd.flight import advance, kind_of, load_vectors, turning
+from edmd.flight import arrive, kind_of, load_vectors, turning
 from edmd.pairs import size_now
 from edmd.rules import elastic, rough
 from edmd.rules.kinds import CONTACT_TIME, ELASTIC, KIND, PARAMETERS, ROUGH, smooth_restitution
@@ -42,8 +42,8 @@ def collide(world, body, partner, n):
     clock = world.clock
     a, b = world.bodies[body], world.bodies[partner]
     kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
-    advance(a, kind_a, clock[NOW])
-    advance(b, kind_b, clock[NOW])
+    arrive(a, world.turns[body], kind_a, clock[NOW])
+    arrive(b, world.turns[partner], kind_b, clock[NOW])
     s_a, s_b, size = load_vectors(a, VECTORS), load_vectors(b, VECTORS), size_now(clock)
     lever_a, lever_b = scale(size, support_point(s_a, n)), scale(-size, support_point(s_b, n))
     arm_a, arm_b = cross(lever_a, n), cross(lever_b, n)

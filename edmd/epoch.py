@@ -154,7 +154,7 @@ def _take_back_drift(world):
     drift = subtract(velocity, load(clock, DRIFT))
     if 0.5 * mass * dot(drift, drift) <= DRIFTED * clock[ENERGY]:
         return
-    advance_all(world.bodies, world.kinds, clock[NOW])
+    advance_all(world.bodies, world.turns, world.kinds, clock[NOW])
     for body in range(len(world.bodies)):
         store(world.bodies[body], VELOCITY, subtract(load(world.bodies[body], VELOCITY), drift))
     predict_all(world)
@@ -207,7 +207,7 @@ def rescale(world, factor, inertia_factor):
     The spin of a body of revolution about its axis stays, whatever its moment.
     """
     clock = world.clock
-    advance_all(world.bodies, world.kinds, clock[NOW])
+    advance_all(world.bodies, world.turns, world.kinds, clock[NOW])
     store(clock, DRIFT, scale(factor, load(clock, DRIFT)))
     clock[HORIZON], clock[REFINE] = clock[HORIZON] / factor, clock[REFINE] / factor
     for body in range(len(world.bodies)):
@@ -226,7 +226,7 @@ def rescale(world, factor, inertia_factor):
 @kernel
 def set_velocities(world, velocities, momenta):
     """New velocities (n, 3), which have no common drift, and angular momenta (n, 3) but for the spin that smooth bodies never change."""
-    advance_all(world.bodies, world.kinds, world.clock[NOW])
+    advance_all(world.bodies, world.turns, world.kinds, world.clock[NOW])
     store(world.clock, DRIFT, (0.0, 0.0, 0.0))
     for body in range(len(world.bodies)):
         row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
@@ -244,7 +244,7 @@ def predict_all(world):
     world.clock[ENERGY_SINCE] = world.clock[NOW]
     world.clock[ENERGY] = kinetic_energy(world)
     energy_counted(world)
-    advance_all(world.bodies, world.kinds, world.clock[NOW])
+    advance_all(world.bodies, world.turns, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):                           # pairs are watched before the turn of the second body comes
         set_turning(world.bodies[body], world.turns[body], world.kinds[kind_of(world, body)])
     for body in range(len(world.bodies)):
@@ -266,7 +266,7 @@ def reschedule_all(world):
 def forget_lists(world):
     """Empty every list."""
     world.clock[REACH_SIZE] = 0.0
-    advance_all(world.bodies, world.kinds, world.clock[NOW])
+    advance_all(world.bodies, world.turns, world.kinds, world.clock[NOW])
     for body in range(len(world.bodies)):
         world.lists.spans[body, COUNT] = 0
         world.anchors[body, ANCHOR_POSITION] = inf

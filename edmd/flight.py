@@ -2,12 +2,13 @@
 
 from typing import NamedTuple
 
+from ccd import rotation
 from ccd.compiling import kernel, large_kernel
 from ccd.first_contact import support_course
-from ccd.free_top import angular_velocity, fastest_turning, turn_freely, turning_of
+from ccd.free_top import Top, angular_velocity, fastest_turning, jolts, top_of, turn_freely, turn_top, turning_of
 from ccd.precession import NO_AXIS
 from ccd.revolution import course_of_axis, facing_of_axis, shape_of_axis, turning_axis
-from ccd.rotation import body_axes, load_quaternion, turn
+from ccd.rotation import axes_of_any, body_axes, load_quaternion, unit
 from ccd.separation import semi_axis_vectors, shape_matrix
 from ccd.turning_plane import facing
 from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store
@@ -19,6 +20,7 @@ from edmd.state import (
     BEND,
     BENDING,
     FASTEST,
+    FOURTH,
     FREE,
     GENERAL,
     INVERSE_MOMENTS,
@@ -32,8 +34,9 @@ from edmd.state import (
     SEMI_AXES,
     SPREAD,
     STILL,
-    SWERVE,
+    THIRD,
     TIME,
+    TOP,
     UNEQUAL,
     VECTORS,
     VELOCITY,
@@ -76,7 +79,8 @@ def turning(row, kind, momentum):
 @kernel
 def set_turning(row, turn, kind):
     """What is constant in flight of how a shape turns, for a new angular momentum: FASTEST, the largest angular velocity there will be, of
-    a body of revolution in steady motion that of its axis; BEND and SWERVE, bounds on how its support values bend, eqs. (7d) and (7e)."""
+    a body of revolution in steady motion that of its axis; what bounds its support values, eqs. (7), (7d), (7e) and (12e); of a free top
+    what tells where it turns, for the pose of now."""
     if kind[MOTION] == STILL:
         return
     if kind[MOTION] == FREE:
@@ -86,14 +90,31 @@ def set_turning(row, turn, kind):
         rate, turn[FASTEST] = norm(spin), _swing(row, kind, spin)
         swing = turn[FASTEST] + UNSTEADY * rate
         turn[BEND] = 0.5 * swing * (rate + swing) * kind[BENDING]
+        turn[FOURTH] = (1 / 3) * rate * rate * turn[BEND] * (kind[LARGEST] - kind[SPREAD])
 
 
 @large_kernel
 def _set_free_turning(row, turn, kind):
-    most, hardest = fastest_turning(load_quaternion(row, ORIENTATION), load(row, MOMENTUM), load(kind, INVERSE_MOMENTS))
-    square, jolt, bending = most * most, 2 * kind[UNEQUAL] * most * hardest, kind[BENDING]
-    turn[FASTEST], turn[BEND] = most, (square + 0.5 * hardest) * bending
-    turn[SWERVE] = (1 / 6) * bending * (kind[LARGEST] - kind[SPREAD]) * (4 * square * most + 6 * most * hardest + jolt)
+    top = top_of(load_quaternion(row, ORIENTATION), load(row, MOMENTUM), load(kind, INVERSE_MOMENTS))
+    _store_top(turn, top)
+    most, hardest = fastest_turning(top, load(kind, INVERSE_MOMENTS))
+    turn[FASTEST], turn[BEND] = most, (most * most + 0.5 * hardest) * kind[BENDING]
+    turn[THIRD], turn[FOURTH] = jolts(most, hardest, kind[UNEQUAL], kind[BENDING] * (kind[LARGEST] - kind[SPREAD]))
+
+
+@kernel
+def _store_top(turn, top):
+    turn[TOP], turn[TOP + 10], turn[TOP + 11], turn[TOP + 12] = top.length, top.spin, top.wobble, top.swerve
+    turn[TOP + 13], turn[TOP + 14] = top.square, top.cube
+    store(turn, TOP + 1, top.x)
+    store(turn, TOP + 4, top.drift)
+    store(turn, TOP + 7, top.shift)
+
+
+@kernel
+def _top(turn):
+    return Top(turn[TOP], load(turn, TOP + 1), load(turn, TOP + 4), load(turn, TOP + 7), turn[TOP + 10], turn[TOP + 11], turn[TOP + 12],
+               turn[TOP + 13], turn[TOP + 14])
 
 
 @kernel
@@ -104,23 +125,24 @@ def _swing(row, kind, spin):
 
 
 @kernel
-def _turned(row, kind, time):
-    """How a shape stands so much later than its row has it: orientation, semi-axis vectors, angular velocity and acceleration."""
+def _turned(row, turn, kind, time):
+    """How a shape stands so much later than its row has it: orientation (of a free top not made unit), semi-axis vectors, angular velocity
+    and acceleration."""
     q, momentum = load_quaternion(row, ORIENTATION), load(row, MOMENTUM)
     if kind[MOTION] == FREE:
-        q, axes, spin, acceleration = _turned_freely(q, momentum, load(kind, INVERSE_MOMENTS), time)
+        q, axes, spin, acceleration = _turned_freely(turn, q, momentum, load(kind, INVERSE_MOMENTS), time)
         return q, semi_axis_vectors(load(kind, SEMI_AXES), axes), spin, acceleration
     spin = scale(kind[ACROSS], momentum)
     if time != 0.0:
-        q = turn(q, spin, time)
+        q = rotation.turn(q, spin, time)
     return q, load_vectors(row, VECTORS) if time == 0.0 else _vectors(kind, q), spin, (0.0, 0.0, 0.0)
 
 
 @large_kernel
-def _turned_freely(q, momentum, inverse_moments, time):
+def _turned_freely(turn, q, momentum, inverse_moments, time):
     if time != 0.0:
-        q = turn_freely(q, momentum, inverse_moments, time)
-    axes = body_axes(q)
+        q = turn_top(_top(turn), q, momentum, inverse_moments, time)
+    axes = axes_of_any(q)
     spin, acceleration = turning_of(axes, momentum, inverse_moments)
     return q, axes, spin, acceleration
 
@@ -131,11 +153,11 @@ def _vectors(kind, q):
 
 
 @kernel
-def vectors_after(row, kind, time, size):
+def vectors_after(row, turn, kind, time, size):
     """Semi-axis vectors at this size so much later than the row of a body has them."""
     vectors = load_vectors(row, VECTORS)
     if kind[MOTION] != STILL:
-        _, vectors, _, _ = _turned(row, kind, time)
+        _, vectors, _, _ = _turned(row, turn, kind, time)
     return scale(size, vectors[0]), scale(size, vectors[1]), scale(size, vectors[2])
 
 
@@ -146,7 +168,7 @@ class Flight(NamedTuple):
     velocity: tuple
     axial: bool             # whether a body of revolution goes by its axis alone
     vectors: tuple          # semi-axis vectors; of an axial body (u, u', u'') of its axis
-    turning: tuple          # see `support_course`; of an axial body squares take the place of the acceleration: across, along, |w|^2
+    turning: tuple          # see `support_course`; of an axial body squares (`course_of_axis`) take the place of the acceleration
 
 
 @kernel
@@ -159,18 +181,19 @@ def flight_of(world, body, time):
         square = dot(spin, spin)
         axis = turning_axis(scale(1.0 / kind[SEMI_AXES + pole], load(row, VECTORS + 3 * pole)), spin, square, time - row[TIME])
         squares = kind[ACROSS_SQUARE], kind[ALONG_SQUARE], square
-        return Flight(position, velocity, True, axis, (spin, squares, world.turns[body, BEND], 0.0, 1.0))
-    turn, (_, vectors, spin, acceleration) = world.turns[body], _turned(row, kind, time - row[TIME])
-    swerve, steady = (turn[SWERVE], 0.0) if kind[MOTION] == FREE else (0.0, 1.0)
-    return Flight(position, velocity, False, vectors, (spin, acceleration, turn[BEND], swerve, steady))
+        return Flight(position, velocity, True, axis, (spin, squares, 0.0, world.turns[body, BEND], 0.0, world.turns[body, FOURTH]))
+    turn, least = world.turns[body], kind[LARGEST] - kind[SPREAD]
+    _, vectors, spin, acceleration = _turned(row, turn, kind, time - row[TIME])
+    middle, third = 0.5 * (kind[LARGEST] * kind[LARGEST] + least * least), turn[THIRD] if kind[MOTION] == FREE else 0.0
+    return Flight(position, velocity, False, vectors, (spin, acceleration, middle, turn[BEND], third, turn[FOURTH]))
 
 
 @kernel
 def course(flight, n):
     """How the support in direction n goes on (`support_course`)."""
     if flight.axial:
-        across, along, square = flight.turning[1]
-        return course_of_axis(flight.vectors, across, along, square, flight.turning[2], n)
+        _, squares, _, bend, _, fourth = flight.turning
+        return course_of_axis(flight.vectors, squares, bend, fourth, n)
     return support_course(flight.vectors, flight.turning, n)
 
 
@@ -193,26 +216,36 @@ def shape_of(flight):
 
 
 @kernel
-def advance(row, kind, now):
+def advance(row, turn, kind, now):
     """Move the body of this row to the present."""
-    if kind[MOTION] != STILL:
-        _advance_shape(row, kind, now)
+    arrive(row, turn, kind, now)
+    if kind[MOTION] == FREE:
+        _set_free_turning(row, turn, kind)
+
+
+@kernel
+def arrive(row, turn, kind, now):
+    """`advance` of a body whose momentum is about to change: what is constant in its flight is left for `set_turning`."""
+    if kind[MOTION] != STILL and now != row[TIME]:
+        _advance_shape(row, turn, kind, now)
     store(row, POSITION, position_at(row, now))
     row[TIME] = now
 
 
 @kernel
-def _advance_shape(row, kind, now):
-    q, vectors, _, _ = _turned(row, kind, now - row[TIME])
+def _advance_shape(row, turn, kind, now):
+    q, vectors, _, _ = _turned(row, turn, kind, now - row[TIME])
+    if kind[MOTION] == FREE:
+        q = unit(q)
     row[ORIENTATION] = q[0]
     store(row, ORIENTATION + 1, (q[1], q[2], q[3]))
     store_vectors(row, VECTORS, vectors)
 
 
 @kernel
-def advance_all(rows, kinds, now):
+def advance_all(rows, turns, kinds, now):
     for body in range(len(rows)):
-        advance(rows[body], kinds[int(rows[body, KIND])], now)
+        advance(rows[body], turns[body], kinds[int(rows[body, KIND])], now)
 
 
 @kernel

@@ -135,7 +135,7 @@ def staying(r, v, room, shrinking):
 def escape(world, body):
     """The body may have left its margin: extend its time, or make its list anew. -> DONE, NO_ROOM or CELL_TOO_SMALL."""
     row, kind, anchor, size = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], size_now(world.clock)
-    advance(row, kind, world.clock[NOW])
+    advance(row, world.turns[body], kind, world.clock[NOW])
     if norm(path_from(row, anchor)) + strayed(row, kind, anchor, size) > REBUILD_BEYOND * anchor[ANCHOR_MARGIN]:
         return rebuild(world, body)
     set_escape(world, body)
@@ -172,7 +172,7 @@ def _anchor(world, body):
     if a != 0 or b != 0 or c != 0:
         _wrap(world.lists, world.image, grid.box, row, body, (a, b, c))
     store(anchor, ANCHOR_POSITION, add_scaled(load(row, POSITION), lead, velocity))
-    store_vectors(anchor, ANCHOR_VECTORS, vectors_after(row, kind, lead, size))
+    store_vectors(anchor, ANCHOR_VECTORS, vectors_after(row, world.turns[body], kind, lead, size))
     anchor[ANCHOR_SIZE], anchor[ANCHOR_MARGIN], anchor[ANCHOR_RADIUS] = size, margin, size * kind[LARGEST] + margin
     _escape_after(anchor, clock, lead + (SAFE * margin - growth * lead) / speed if speed > 0.0 else inf)
     clock[REACH_SIZE] = max(size, clock[REACH_SIZE])

@@ -133,9 +133,9 @@ def _predict_block(world, entries, own):
 def _bound_columns(column, size, own, growing):
     """How long the planes hold; the body's own sides take the place of its neighbours'. own: up to date."""
     if own.axial:
-        across, along, square = own.turning[1]
+        _, squares, _, bend, _, fourth = own.turning
         for k in range(size):
-            _bound(column, k, own, course_of_axis(own.vectors, across, along, square, own.turning[2], _direction(column, k)), growing)
+            _bound(column, k, own, course_of_axis(own.vectors, squares, bend, fourth, _direction(column, k)), growing)
     else:
         for k in range(size):
             _bound(column, k, own, support_course(own.vectors, own.turning, _direction(column, k)), growing)

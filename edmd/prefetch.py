@@ -43,10 +43,11 @@ def _ask(_, row, k):
 @kernel
 def fetch_body(world, body):
     """What a look at a body takes."""
-    row = world.bodies[body]
+    row, turn = world.bodies[body], world.turns[body]
     for k in range(0, len(row), LINE):
         fetch(row, k)
-    fetch(world.turns[body], 0)
+    for k in range(0, len(turn), LINE):
+        fetch(turn, k)
 
 
 @kernel

@@ -13,11 +13,12 @@ POSITION, VELOCITY, TIME, KIND = 0, 3, 6, 7
 VECTORS, MOMENTUM, ORIENTATION = 8, 17, 20
 BODY_ROW = 24
 
-# turns: bounds of a body's turning, constant in flight (flight.py): its rate, and of support values the bend for all time and the swerve.
+# turns: bounds of a body's turning, constant in flight (flight.py): its rate, and of support values the bend for all time, and those of
+# `ccd.first_contact.support_course` on the third and the fourth derivative of their squares.
 # MET: the normal of the contact that it is going to make at MET_TIME with the neighbour that the calendar's `met` names, if that has had no
-# collision since: its own time is MET_SINCE still
-FASTEST, BEND, SWERVE, MET, MET_TIME, MET_SINCE = 0, 1, 2, 3, 6, 7
-TURN_ROW = 8
+# collision since: its own time is MET_SINCE still. From THIRD on of free tops only; TOP: the numbers of a `ccd.free_top.Top`
+FASTEST, FOURTH, BEND, MET, MET_TIME, MET_SINCE, THIRD, TOP = 0, 1, 2, 3, 6, 7, 8, 9
+TURN_ROW, TURN_ROW_OF_TOPS = 8, 24
 
 # kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; ACROSS: the
 # inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
@@ -131,7 +132,7 @@ class World(NamedTuple):
     bodies: np.ndarray      # float64 (n, BODY_ROW)
     kinds: np.ndarray       # float64 (kinds, KIND_ROW)
     image: np.ndarray       # int32 (n, 3)
-    turns: np.ndarray       # float64 (n, TURN_ROW)
+    turns: np.ndarray       # float64 (n, TURN_ROW), or (n, TURN_ROW_OF_TOPS) if one is FREE
     anchors: np.ndarray     # float64 (n, ANCHOR_ROW)
     lists: Lists
     grid: Grid

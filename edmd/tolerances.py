@@ -1,7 +1,7 @@
 """Every tolerance and tuning number of the engine, with its unit and what it buys. The collision detection's are in ccd/tolerances.py."""
 
-MARGIN = 0.38                # margin of a body's neighbourhood, in units of its equivalent radius (abc)^(1/3),
-MARGIN_OF_SPHERES = 0.5     # and of a sphere: another neighbour costs it little
+MARGIN = 0.37               # margin of the neighbourhood of a long or flat body, in units of its equivalent radius (abc)^(1/3),
+MARGIN_OF_SPHERES = 0.5     # and of a sphere: the rounder, the fewer neighbours does it bring
 LEAD = 4.0                  # how far ahead of a body its neighbourhood is centred, in units of the time below which planes are renewed,
 LEAD_SHARE = 0.9            # and at most so much of the margin away from it
 REBUILD_BEYOND = 0.85       # fraction of the margin that a body has really come when its list is rebuilt rather than extended
@@ -15,7 +15,7 @@ ALIGNED = 1e-12             # squared tilt up to which a plane is the best one: 
 WELL_ALIGNED = 1e-4         # the square of that over the gap, in units of the supports, up to which it is good enough without a contact
 CROSSED = 1e-12            # depth, in units of the supports, from which a plane that should be between two bodies cuts into them
 NEWTON_STEPS = 6            # cap of steps of Newton's method for a plane; 1 or 2 are used
-PRESSED = 16.0              # how deep bodies may be driven together by their turning alone, in units of the gap at which they touch
+PRESSED = 64.0              # how deep bodies may be driven together by their turning alone, in units of the gap at which they touch
 GRAZING = 1e-10             # gap, in units of the supports, below which a plane on record, in float32, would be worse than the best one
 SHOTS = 8                   # cap of shots in a row at a contact that is near; two or three are used
 LOOK_PAST = 2.0             # how far ahead a sharp bound looks, in units of the expected time to the contact

@@ -159,7 +159,7 @@ def _check_predictions(world):
         return
     entry, span = entry[held], times[held] - now
     rows = world.bodies.copy()
-    advance_all(rows, world.kinds, now)
+    advance_all(rows, world.turns.copy(), world.kinds, now)
     kinds = world.kinds[rows[:, state.KIND].astype(int)]
     momenta, free = rows[:, state.MOMENTUM:state.MOMENTUM + 3], kinds[:, state.MOTION] == state.FREE
     moments = np.where(free[:, None], 1 / kinds[:, state.INVERSE_MOMENTS:state.INVERSE_MOMENTS + 3], 1.0)      # equal ones turn steadily
@@ -188,7 +188,7 @@ def _check_predictions(world):
 def _apart_at(world, bodies, shift, time):
     """Whether two bodies, the second moved by a vector, do not overlap at a time, but for rounding."""
     rows, size = world.bodies[bodies].copy(), world.clock[state.SIZE] + world.clock[state.GROWTH] * time
-    advance_all(rows, world.kinds, time)
+    advance_all(rows, world.turns[bodies], world.kinds, time)
     one, other = (Ellipsoid(size * world.kinds[int(row[state.KIND]), state.SEMI_AXES:state.SEMI_AXES + 3],
                             row[state.POSITION:state.POSITION + 3] + move, row[state.ORIENTATION:state.ORIENTATION + 4])
                   for row, move in zip(rows, (0.0, shift)))

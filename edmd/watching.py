@@ -90,7 +90,7 @@ def _shoot(world, entry, body, partner):
             close = room <= touch or time + span == time
             if (gap >= 0.0 and not close) or (best and (gap >= 0.0 or lead == 0.0)):
                 break                                   # else, aimed ahead, it cuts into the bodies now, or two that touch need the best
-        stiff = bend + 2 * (size * (own.turning[2] + other.turning[2]) + abs(growth) * (abs(seen[0][1]) + abs(seen[1][1])))
+        stiff = bend + 2 * (size * (own.turning[3] + other.turning[3]) + abs(growth) * (abs(seen[0][1]) + abs(seen[1][1])))
         if rate < 0 and best and not recorded and (close or stiff * span * span <= touch):      # that bounds the gap at the end of the span
             time += 0.0 if close else span
             turn, world.calendar.met[body] = world.turns[body], image_code(world, entry)

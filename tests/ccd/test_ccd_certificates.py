@@ -11,9 +11,10 @@ HORIZON = 0.8
 
 
 def steady(semi_axes, spin):
-    """What `support_motion` takes of a body that turns at a constant rate; the bound on h'' is that of eq. (7)."""
-    least, most = semi_axes.min(), semi_axes.max()
-    return spin, (0.0, 0.0, 0.0), float(np.dot(spin, spin) * (most**2 - least**2) / least), 0.0, 1.0
+    """What `support_motion` takes of a body that turns at a constant rate; the bounds are those of eqs. (7) and (7d)."""
+    least, most, square = semi_axes.min(), semi_axes.max(), np.dot(spin, spin)
+    bend = square * (most**2 - least**2)
+    return spin, (0.0, 0.0, 0.0), 0.0, float(bend / least), 0.0, float(square * bend / 3)
 
 
 @pytest.mark.parametrize("growth", [0.0, 1.0, -0.9])

@@ -1,5 +1,7 @@
 """A free rigid body with any moments of inertia turns as Euler's equations say, to the last digits, and never faster than is promised."""
 
+import itertools
+
 import mpmath
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from pairs import directions
 from scipy.integrate import solve_ivp
 
 from ccd import free_top, rotation
+from ccd.first_contact import support_motion
 
 SOLID = (1.64, 2.2025, 2.5625)                  # of the ellipsoid with semi-axes 1.25, 1 and 0.8
 FAMILIES = {
@@ -240,14 +243,47 @@ def course(family, n=3, turns=20.0, samples=120):
     return (q, momentum, inverse), np.linalg.norm(spins, axis=2).max(axis=0), np.linalg.norm(rates, axis=2).max(axis=0)
 
 
+def fastest_turning(q, momentum, inverse):
+    """Of bodies (n, ...): (n, 2)."""
+    given = zip(*(map(tuple, a.tolist()) for a in (q, momentum, inverse)))
+    return np.array([free_top.fastest_turning(free_top.top_of(*body), body[2]) for body in given])
+
+
 @pytest.mark.parametrize("family", ["solid", "other order", "far from equal", "prolate", "equal"])
 def test_no_body_ever_turns_faster_than_its_bound_and_each_comes_close_to_it(family):
     given, speed, change = course(family)
-    bounds = np.array([free_top.fastest_turning(*(tuple(a[k].tolist()) for a in given)) for k in range(len(speed))])
+    bounds = fastest_turning(*given)
     assert (speed <= bounds[:, 0] * (1 + 1e-14)).all()
     assert (change <= bounds[:, 1] * (1 + 1e-14) + 1e-15).all()
     np.testing.assert_allclose(speed, bounds[:, 0], rtol=5e-3)
     np.testing.assert_allclose(change, bounds[:, 1], rtol=5e-3, atol=1e-15)
+
+
+@pytest.mark.parametrize("family", ["solid", "other order", "far from equal", "separatrix"])
+@pytest.mark.parametrize("semi_axes", [(1.25, 1, 0.8), (3, 1, 0.5), (0.2, 1, 1.1)])
+def test_the_support_of_a_free_body_stays_below_its_parabola(semi_axes, family):
+    """Eq. (7d), up to several horizons, along fixed directions; and the parabola is much lower than with the bound on h'' alone."""
+    n, axes = 150, np.array(semi_axes)
+    q, momentum, inverse, w = bodies(family, n, seed=8)
+    n_fixed, moments = directions(np.random.default_rng(9), n), 1 / inverse[0]
+    unequal = max(abs(moments[i] - moments[j]) / moments[k] for i, j, k in itertools.permutations(range(3)))
+    middle, spread, gained = 0.5 * (axes.max()**2 + axes.min()**2), axes.max()**2 - axes.min()**2, []
+    for reach in (0.05, 0.3, 1.0):
+        parabolas = []
+        for k, (most, hardest) in enumerate(fastest_turning(q, momentum, inverse)):
+            frame = rotation.body_axes(tuple(q[k].tolist()))
+            spin, acceleration = free_top.turning_of(frame, tuple(momentum[k].tolist()), tuple(inverse[k].tolist()))
+            bend = (most**2 + 0.5 * hardest) * spread / axes.min()
+            turning = (spin, acceleration, middle, bend, *free_top.jolts(most, hardest, unequal, spread))
+            s = tuple(tuple((length * np.array(axis)).tolist()) for length, axis in zip(axes, frame))
+            parabolas.append(support_motion(s, turning, tuple(n_fixed[k].tolist()), reach / w[k]))
+            gained.append(parabolas[-1][2] / bend)
+        value, rate, curve = np.array(parabolas).T
+        for share in np.linspace(0, 1, 31):
+            time = share * reach / w
+            h = np.linalg.norm(axes * tops.in_body(tops.turned(q, momentum, inverse, time)[0], n_fixed), axis=1).astype(float)
+            assert (h <= value + rate * time + 0.5 * curve * time**2 + 1e-14 * axes.max()).all()
+    assert np.mean(gained) < 0.5
 
 
 @pytest.mark.parametrize("semi_axes", [(1.25, 1, 0.8), (3, 1, 0.5), (0.2, 1, 1.1)])
@@ -260,7 +296,7 @@ def test_the_support_of_a_free_body_bends_and_moves_no_more_than_its_bounds(semi
     n_fixed, step = directions(np.random.default_rng(6), n), 1e-4 / w
     h = [np.linalg.norm((axes * tops.in_body(tops.turned(q, momentum, inverse, shift * step)[0], n_fixed)), axis=1) for shift in (-1, 0, 1)]
     rate, bend = ((h[2] - h[0]) / (2 * step)).astype(float), ((h[2] - 2 * h[1] + h[0]) / step**2).astype(float)
-    bounds = np.array([free_top.fastest_turning(*(tuple(a[k].tolist()) for a in (q, momentum, inverse))) for k in range(n)])
+    bounds = fastest_turning(q, momentum, inverse)
     spread = axes.max()**2 - axes.min()**2
     share = np.abs(rate) / (bounds[:, 0] * (axes.max() - axes.min()))
     bent = bend / ((bounds[:, 0]**2 + 0.5 * bounds[:, 1]) * spread / h[1].astype(float))

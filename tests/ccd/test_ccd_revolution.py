@@ -28,8 +28,8 @@ def test_supports_are_those_of_the_semi_axis_vectors(seed):
     vectors, u, squares, spin, n = drawn(seed)
     square = float(np.dot(spin, spin))
     axis = turning_axis(u, spin, square, 0.0)
-    found = course_of_axis(axis, *squares, square, 3.0, n)
-    expected = support_course(vectors, (spin, (0.0, 0.0, 0.0), 3.0, 0.0, 1.0), n)
+    found = course_of_axis(axis, (*squares, square), 3.0, 2.0, n)
+    expected = support_course(vectors, (spin, (0.0, 0.0, 0.0), 0.0, 3.0, 0.0, 2.0), n)
     scale = max(squares) / min(squares)**0.5 * np.array([1e-15, 1e-14, 1e-13, 1e-13, 1e-13, 1e-15]) * max(square, 1)**1.5
     assert (abs(np.subtract(found, expected)) <= 40 * scale).all()
     np.testing.assert_allclose(shape_of_axis(u, *squares), shape_matrix(vectors), atol=1e-14 * max(squares))
