@@ -12,7 +12,7 @@ from pairs import directions
 from scipy.integrate import solve_ivp
 
 from ccd import free_top, rotation
-from ccd.first_contact import support_motion
+from ccd.first_contact import support_course, support_motion
 
 SOLID = (1.64, 2.2025, 2.5625)                  # of the ellipsoid with semi-axes 1.25, 1 and 0.8
 FAMILIES = {
@@ -259,30 +259,56 @@ def test_no_body_ever_turns_faster_than_its_bound_and_each_comes_close_to_it(fam
     np.testing.assert_allclose(change, bounds[:, 1], rtol=5e-3, atol=1e-15)
 
 
+def turning_of(q, momentum, inverse, semi_axes):
+    """What `support_course` takes of a body: its semi-axis vectors and its turning with the bounds for all time."""
+    moments, axes = 1 / inverse, np.array(semi_axes)
+    unequal = max(abs(moments[i] - moments[j]) / moments[k] for i, j, k in itertools.permutations(range(3)))
+    (most, hardest), = fastest_turning(q[None], momentum[None], inverse[None])
+    spread, frame = axes.max()**2 - axes.min()**2, rotation.body_axes(tuple(q.tolist()))
+    spin, acceleration = free_top.turning_of(frame, tuple(momentum.tolist()), tuple(inverse.tolist()))
+    bounds = (most**2 + 0.5 * hardest) * spread / axes.min(), *free_top.jolts(most, hardest, unequal, spread)
+    vectors = tuple(tuple((length * np.array(axis)).tolist()) for length, axis in zip(semi_axes, frame))
+    return vectors, (spin, acceleration, 0.5 * (axes.max()**2 + axes.min()**2), *bounds)
+
+
+@pytest.mark.parametrize("family", ["solid", "other order", "far from equal", "separatrix"])
+@pytest.mark.parametrize("semi_axes", [(1.25, 1, 0.8), (3, 1, 0.5), (0.2, 1, 1.1)])
+def test_the_third_derivative_of_a_support_is_bounded_from_near_by(semi_axes, family):
+    """Of h^2, over 6, for the direction and its derivatives as the body sees them, by Euler's equations: at most twice the rest is lost."""
+    q, momentum, inverse, _ = bodies(family, 100, seed=7)
+    x, n = tops.in_body(q, momentum).astype(float), directions(np.random.default_rng(5), 100)
+    w, torque = inverse * x, np.cross(x, inverse * x)
+    rate = inverse * torque
+    jerk = inverse * (np.cross(torque, w) + np.cross(x, rate))
+    zeroth = tops.in_body(q, n).astype(float)
+    first = np.cross(zeroth, w)
+    second = np.cross(first, w) + np.cross(zeroth, rate)
+    third = np.cross(second, w) + 2 * np.cross(first, rate) + np.cross(zeroth, jerk)
+    exact = ((first * second + zeroth * third / 3) * np.square(semi_axes)).sum(axis=1)
+    for k in range(100):
+        vectors, turning = turning_of(q[k], momentum[k], inverse[k], semi_axes)
+        found, rest = support_course(vectors, turning, tuple(n[k].tolist()))[3], turning[4]
+        assert exact[k] <= found + 1e-13
+        assert found <= exact[k] + 2 * rest + 1e-13
+
+
 @pytest.mark.parametrize("family", ["solid", "other order", "far from equal", "separatrix"])
 @pytest.mark.parametrize("semi_axes", [(1.25, 1, 0.8), (3, 1, 0.5), (0.2, 1, 1.1)])
 def test_the_support_of_a_free_body_stays_below_its_parabola(semi_axes, family):
     """Eq. (7d), up to several horizons, along fixed directions; and the parabola is much lower than with the bound on h'' alone."""
-    n, axes = 150, np.array(semi_axes)
+    n = 150
     q, momentum, inverse, w = bodies(family, n, seed=8)
-    n_fixed, moments = directions(np.random.default_rng(9), n), 1 / inverse[0]
-    unequal = max(abs(moments[i] - moments[j]) / moments[k] for i, j, k in itertools.permutations(range(3)))
-    middle, spread, gained = 0.5 * (axes.max()**2 + axes.min()**2), axes.max()**2 - axes.min()**2, []
+    n_fixed, gained = directions(np.random.default_rng(9), n), []
     for reach in (0.05, 0.3, 1.0):
         parabolas = []
-        for k, (most, hardest) in enumerate(fastest_turning(q, momentum, inverse)):
-            frame = rotation.body_axes(tuple(q[k].tolist()))
-            spin, acceleration = free_top.turning_of(frame, tuple(momentum[k].tolist()), tuple(inverse[k].tolist()))
-            bend = (most**2 + 0.5 * hardest) * spread / axes.min()
-            turning = (spin, acceleration, middle, bend, *free_top.jolts(most, hardest, unequal, spread))
-            s = tuple(tuple((length * np.array(axis)).tolist()) for length, axis in zip(axes, frame))
-            parabolas.append(support_motion(s, turning, tuple(n_fixed[k].tolist()), reach / w[k]))
-            gained.append(parabolas[-1][2] / bend)
+        for k in range(n):
+            vectors, turning = turning_of(q[k], momentum[k], inverse[k], semi_axes)
+            parabolas.append(support_motion(vectors, turning, tuple(n_fixed[k].tolist()), reach / w[k]))
+            gained.append(parabolas[-1][2] / turning[3])
         value, rate, curve = np.array(parabolas).T
-        for share in np.linspace(0, 1, 31):
-            time = share * reach / w
-            h = np.linalg.norm(axes * tops.in_body(tops.turned(q, momentum, inverse, time)[0], n_fixed), axis=1).astype(float)
-            assert (h <= value + rate * time + 0.5 * curve * time**2 + 1e-14 * axes.max()).all()
+        for time in np.linspace(0, reach / w, 31):
+            h = np.linalg.norm(semi_axes * tops.in_body(tops.turned(q, momentum, inverse, time)[0], n_fixed), axis=1).astype(float)
+            assert (h <= value + rate * time + 0.5 * curve * time**2 + 1e-14 * max(semi_axes)).all()
     assert np.mean(gained) < 0.5
 
 
