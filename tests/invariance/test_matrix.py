@@ -133,7 +133,7 @@ def checked_with_observers(simulation, motion, folder, restart):
 
 
 def checked_in_blocks(simulation, motion, folder, restart):
-    """Blocks of one collision, and of a short time, with a restart in between; growth knows no blocks."""
+    """Blocks of one collision, and before the tail of a short time, with a restart in between; growth knows no blocks."""
     until = simulation.collisions + LENGTH
     if motion.rate != 0:
         motion.run(simulation).verify()
@@ -144,7 +144,8 @@ def checked_in_blocks(simulation, motion, folder, restart):
         if restart and simulation.collisions == until - TAIL // 2:
             simulation.save(folder / "state")
             simulation = edmd.Simulation.load(folder / "state")
-        simulation.run(time=span) if simulation.collisions % 3 == 0 and simulation.collisions < until - 5 else simulation.run(collisions=1)
+        early = simulation.collisions < until - TAIL
+        simulation.run(time=span) if early and simulation.collisions % 3 == 0 else simulation.run(collisions=1)
         simulation.verify()
     return [simulation]
 
