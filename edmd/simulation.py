@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 from math import inf, isinf, sqrt
 from typing import TYPE_CHECKING, NamedTuple
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -310,7 +310,7 @@ class Simulation:
     def load(cls, path: AnyPath) -> Simulation:
         """The simulation that `save` wrote."""
         try:
-            with np.load(path, allow_pickle=False) as saved:
+            with ZipFile(path), np.load(path, allow_pickle=False) as saved:         # numpy advises to load what is no zip file as a pickle
                 arrays = {name: saved[name] for name in saved.files}
             facts = json.loads(str(arrays.pop("facts")))
             if facts["format"] != FORMAT:
