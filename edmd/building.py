@@ -8,7 +8,7 @@ from ccd.precession import symmetry_axes
 from edmd import prediction, state
 from edmd.calendar import WAYS
 from edmd.epoch import energy_counted, forget_lists, kinetic_energy, make_lists, mean_velocity, reschedule_all
-from edmd.events import Ended
+from edmd.events import Ended, EventKind
 from edmd.flight import advance_all, set_shapes, turn_still
 from edmd.inertia import angular_momenta, motions, rotational_degrees
 from edmd.neighbors import DONE, copy_entries
@@ -29,7 +29,6 @@ from edmd.tolerances import (
     REFINE_BELOW,
     SPARE,
     SPARE_ROOM,
-    SPARE_SHARE,
 )
 
 
@@ -113,7 +112,7 @@ def flattened(world, prefix=""):
     for name, value in zip(world._fields, world):
         if isinstance(value, tuple):
             yield from flattened(value, f"{prefix}{name}.")
-        elif name not in ("directions", "links", "images"):           # the same memory as numbers
+        elif name not in ("escapes", "directions", "links", "images"):         # the same memory as spans or numbers
             yield prefix + name, value
 
 
@@ -123,7 +122,8 @@ def unflattened(arrays):
     fields = {name: kind(*(np.ascontiguousarray(arrays[f"{name}.{field}"]) for field in kind._fields)) for name, kind in parts.items()}
     for name in ("bodies", "turns", "anchors"):
         fields[name] = _aligned_copy(arrays[name])
-    lists = _views(np.ascontiguousarray(arrays["lists.spans"]), _aligned_copy(arrays["lists.numbers"]), arrays["lists.seen"])
+    spans = _aligned_copy(np.ascontiguousarray(arrays["lists.spans"]).view(np.float64)).view(np.int32)
+    lists = _views(spans, _aligned_copy(arrays["lists.numbers"]))
     return World(lists=lists, **{name: arrays[name] for name in ("kinds", "image", "clock", "tally", "columns", "watched")}, **fields)
 
 
@@ -196,15 +196,15 @@ def _body_rows(system, kinds, kind):
 
 def _lists(room):
     """Empty lists with room (n,) for so many entries."""
-    spans = np.zeros((len(room), state.SPAN_ROW), dtype=np.int32)
+    spans = _aligned(len(room), state.SPAN_ROW // 2).view(np.int32)
     spans[:, state.ROOM] = room
     spans[:, state.BEGIN] = np.cumsum(room) - room
-    taken = int(room.sum())
-    return _views(spans, _aligned(taken + taken // SPARE_SHARE + SPARE, state.ENTRY_ROW), np.full(len(room), -1))
+    spans[:, state.SLOT] = EventKind.ESCAPE
+    return _views(spans, _aligned(int(room.sum()) + SPARE, state.ENTRY_ROW))
 
 
-def _views(spans, numbers, seen):
-    return Lists(spans, numbers, numbers.view(np.float32), numbers.view(np.int32), numbers.view(np.int8), seen)
+def _views(spans, numbers):
+    return Lists(spans, spans.view(np.float64), numbers, numbers.view(np.float32), numbers.view(np.int32), numbers.view(np.int8))
 
 
 def _calendar(n):
@@ -213,11 +213,11 @@ def _calendar(n):
         sizes.append(1 if sizes[-1] == WAYS else _whole_matches(sizes[-1] // WAYS))
     room = [_whole_matches(size) for size in sizes]
     rounds = np.array([sum(room[k + 1:]) for k in range(len(sizes))])
-    time, body = _aligned(sum(room) // WAYS, WAYS).ravel(), np.zeros(sum(room), dtype=np.int32)
+    time, body = _aligned(sum(room) // WAYS, WAYS).ravel(), np.zeros(rounds[0], dtype=np.int32)
     time[:] = np.inf
-    for k, (first, size) in enumerate(zip(rounds, sizes)):
-        body[first:first + size] = np.arange(size) * WAYS**k
-    return Calendar(time, body, rounds, np.full(n, -1, dtype=np.int32), np.full(n, -1))
+    for k, (first, size) in enumerate(zip(rounds[1:], sizes[1:])):
+        body[first:first + size] = np.arange(size) * WAYS**(k + 1)
+    return Calendar(time, body, rounds)
 
 
 def _whole_matches(n):
@@ -277,8 +277,9 @@ def _packed(world, room=0):
     old = world.lists
     count = old.spans[:, state.COUNT]
     lists = _lists(np.maximum(count + SPARE_ROOM, room))
-    lists.spans[:, state.COUNT] = count
-    lists.seen[:] = old.seen
+    for column in (state.COUNT, state.SLOT, state.MET_PARTNER, state.MET_IMAGE):
+        lists.spans[:, column] = old.spans[:, column]
+    lists.escapes[:, state.ESCAPE_TIME] = old.escapes[:, state.ESCAPE_TIME]
     copy_entries(old, lists, np.empty(len(old.numbers), dtype=np.int32))
     world.tally[state.ENTRIES] = lists.spans[:, state.ROOM].sum()
     return world._replace(lists=lists)

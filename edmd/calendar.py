@@ -1,7 +1,7 @@
 """The event queue: a tournament over bodies, eight to a match. Order is total: by time, then by body.
 
 The rounds stand one behind the other, the last one first, each match in one cache line: place k of the first round belongs to body k, and
-each later place to the winner of a match.
+each later place to the winner of a match, which `calendar.body` tells.
 """
 
 from ccd.compiling import kernel
@@ -10,20 +10,26 @@ WAYS = 8
 
 
 @kernel
-def schedule(calendar, body, time, slot):
+def schedule(calendar, body, time):
     """Give a body its next event, and decide again every match on its way to the top, as far as that changes who wins."""
     times, bodies, rounds = calendar.time, calendar.body, calendar.rounds
-    calendar.slot[body] = slot
     place = body
     times[rounds[0] + place] = time
     for k in range(len(rounds) - 1):
         match = place // WAYS
         first, above = rounds[k] + match * WAYS, rounds[k + 1] + match
         earliest, winner = _earliest(times, first)
-        winner = bodies[first + winner]
+        winner = whose(calendar, first + winner)
         if times[above] == earliest and bodies[above] == winner and winner != body:
             break
         times[above], bodies[above], place = earliest, winner, match
+
+
+@kernel
+def whose(calendar, place):
+    """The body that a place belongs to."""
+    first = int(calendar.rounds[0])
+    return place - first if place >= first else int(calendar.body[place])
 
 
 @kernel

@@ -6,7 +6,7 @@ from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escape
 from edmd.pairs import rounded, turn_plane
 from edmd.prediction import predict, reschedule
-from edmd.prefetch import fetch_body, fetch_list_of_partner, fetch_next, fetch_pair, fetch_surroundings
+from edmd.prefetch import fetch_body, fetch_list, fetch_next, fetch_pair, fetch_surroundings
 from edmd.state import (
     BEGIN,
     COLLISIONS,
@@ -21,6 +21,7 @@ from edmd.state import (
     NEXT_EPOCH,
     NOW,
     PARTNER,
+    SLOT,
     STANDING,
     WATCHED,
 )
@@ -58,7 +59,7 @@ def advance_events(world, until_time, until_collisions):
         clock[NOW] = max(time, clock[NOW])
         tally[EVENTS] += 1
         then = fetch_next(world, body) if ahead else body
-        slot, partner, watched, tally[WATCHED] = int(calendar.slot[body]), body, 0, 0
+        slot, partner, watched, tally[WATCHED] = int(lists.spans[body, SLOT]), body, 0, 0
         entry = int(lists.spans[body, BEGIN]) + slot
         fetch_surroundings(world, body)
         if slot == ESCAPE:
@@ -79,14 +80,14 @@ def advance_events(world, until_time, until_collisions):
                     set_escape(world, one)
             else:
                 world.watched[0], tally[WATCHED], partner = entry, 1, body
-        if ahead:
-            fetch_pair(world, then)
         while watched < tally[WATCHED]:
             watch(world, int(world.watched[watched]))
             watched += 1
         if ahead:
-            fetch_list_of_partner(world, then)
+            fetch_list(world.lists, then)
         reschedule(world, body)
         if partner != body:
             reschedule(world, partner)
+        if ahead:
+            fetch_pair(world, then)
     return PAUSED

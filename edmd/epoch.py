@@ -89,7 +89,7 @@ def start_epoch(world):
         world.bodies[body, TIME] -= now
         world.turns[body, MET_TIME] -= now
         world.turns[body, MET_SINCE] -= now
-        world.anchors[body, ESCAPE_TIME] -= now
+        world.lists.escapes[body, ESCAPE_TIME] -= now
         begin = int(world.lists.spans[body, BEGIN])
         for entry in range(begin, begin + int(world.lists.spans[body, COUNT])):
             world.lists.numbers[entry, EVENT] -= now

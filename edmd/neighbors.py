@@ -54,14 +54,16 @@ from edmd.state import (
     REBUILDS,
     REFINE,
     ROOM,
+    SEEN,
     SEMI_AXES,
     SIDE,
+    SLOT,
     SPREAD,
     TWIN,
     VECTORS,
     VELOCITY,
 )
-from edmd.tolerances import LEAD, LEAD_SHARE, MORE_ROOM, REBUILD_BEYOND, SAFE
+from edmd.tolerances import FULL_IN_A_ROW, LEAD, LEAD_SHARE, REBUILD_BEYOND, SAFE
 
 DONE, NO_ROOM, CELL_TOO_SMALL = -1, int(Ended.NO_ROOM), int(Ended.CELL_TOO_SMALL)
 
@@ -108,12 +110,13 @@ def set_escape(world, body):
     row, kind, clock, anchor = world.bodies[body], world.kinds[kind_of(world, body)], world.clock, world.anchors[body]
     turning, growth = straying(world.turns[body], kind, clock)
     room = SAFE * anchor[ANCHOR_MARGIN] - strayed(row, kind, anchor, size_now(clock))
-    _escape_after(anchor, clock, staying(path_from(row, anchor), load(row, VELOCITY), room, turning + growth))
+    _escape_after(world, body, staying(path_from(row, anchor), load(row, VELOCITY), room, turning + growth))
 
 
 @kernel
-def _escape_after(anchor, clock, span):
-    anchor[ESCAPE_TIME] = clock[NOW] + (span if clock[GROWTH] == 0.0 else min(span, clock[HORIZON]))
+def _escape_after(world, body, span):
+    clock = world.clock
+    world.lists.escapes[body, ESCAPE_TIME] = clock[NOW] + (span if clock[GROWTH] == 0.0 else min(span, clock[HORIZON]))
 
 
 @kernel
@@ -155,7 +158,7 @@ def rebuild(world, body):
                 _remove(world, body, slot)
         status = _search(world, body)
     if status != DONE:                                      # the list is not complete: it is to be made again, now
-        anchor[ANCHOR_POSITION], anchor[ESCAPE_TIME] = inf, world.clock[NOW]
+        anchor[ANCHOR_POSITION], world.lists.escapes[body, ESCAPE_TIME] = inf, world.clock[NOW]
     return status
 
 
@@ -174,7 +177,7 @@ def _anchor(world, body):
     store(anchor, ANCHOR_POSITION, add_scaled(load(row, POSITION), lead, velocity))
     store_vectors(anchor, ANCHOR_VECTORS, vectors_after(row, world.turns[body], kind, lead, size))
     anchor[ANCHOR_SIZE], anchor[ANCHOR_MARGIN], anchor[ANCHOR_RADIUS] = size, margin, size * kind[LARGEST] + margin
-    _escape_after(anchor, clock, lead + (SAFE * margin - growth * lead) / speed if speed > 0.0 else inf)
+    _escape_after(world, body, lead + (SAFE * margin - growth * lead) / speed if speed > 0.0 else inf)
     clock[REACH_SIZE] = max(size, clock[REACH_SIZE])
     return place(world.cells, grid, body, kind, anchor)
 
@@ -201,15 +204,15 @@ def _mark_listed(world, body):
     lists, begin = world.lists, int(world.lists.spans[body, BEGIN])
     for entry in range(begin, begin + int(lists.spans[body, COUNT])):
         partner = int(lists.links[entry, PARTNER])
-        lists.seen[partner] = world.tally[REBUILDS]
         fetch_anchor(world.anchors, partner)
+        world.anchors[partner, SEEN] = world.tally[REBUILDS]
 
 
 @kernel
 def _listed(world, body, other, shift, one_image):
     """Whether this image of another body is on the list; one_image: no other can be near."""
     lists, begin = world.lists, int(world.lists.spans[body, BEGIN])
-    if lists.seen[other] != world.tally[REBUILDS]:
+    if world.anchors[other, SEEN] != world.tally[REBUILDS]:
         return False
     if one_image:
         return True
@@ -271,7 +274,8 @@ def _sift(world, body, found, one_image):
         if listed:
             if other == body:
                 return CELL_TOO_SMALL
-            if not (_has_room(world.lists, world.tally, body) and _has_room(world.lists, world.tally, other)):
+            first, last = min(body, other), max(body, other)           # who takes, takes from those behind
+            if not (_has_room(world.lists, world.tally, first) and _has_room(world.lists, world.tally, last)):
                 return NO_ROOM
             _add(world, body, other, (i, j, m), n)
     return DONE
@@ -279,17 +283,28 @@ def _sift(world, body, found, one_image):
 
 @large_kernel
 def _has_room(lists, tally, body):
-    """Whether the list can take one more; a full one is moved to the end of the entries, with more room, if there is some."""
-    span = lists.spans[body]
-    if span[COUNT] < span[ROOM]:
+    """Whether the list can take one more. A full one takes a place from the next that has one to spare, whose lists between move up by one:
+    the first entry of each goes behind its last. The last list takes from what is behind the lists."""
+    spans, giver = lists.spans, body
+    while giver < len(spans) and spans[giver, COUNT] == spans[giver, ROOM]:
+        giver += 1
+        if giver > body + FULL_IN_A_ROW:
+            return False
+    if giver == body:
         return True
-    begin, room = int(tally[ENTRIES]), int(span[ROOM]) + max(MORE_ROOM, int(span[ROOM]) // 4)
-    if begin + room > len(lists.numbers):
+    if giver < len(spans):
+        spans[giver, ROOM] -= 1
+    elif tally[ENTRIES] < len(lists.numbers):
+        tally[ENTRIES] += 1
+    else:
         return False
-    for slot in range(int(span[COUNT])):
-        _move(lists, int(span[BEGIN]) + slot, begin + slot)
-    span[BEGIN], span[ROOM] = begin, room
-    tally[ENTRIES] += room
+    for one in range(min(giver, len(spans) - 1), body, -1):
+        span = spans[one]
+        begin, count, slot = int(span[BEGIN]), int(span[COUNT]), int(span[SLOT])
+        if count > 0:
+            _move(lists, begin, begin + count)
+        span[BEGIN], span[SLOT] = begin + 1, slot - 1 if slot > 0 else count - 1 if slot == 0 else slot
+    spans[body, ROOM] += 1
     return True
 
 

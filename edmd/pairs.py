@@ -20,6 +20,8 @@ from edmd.state import (
     HORIZON,
     IMAGE,
     LARGEST,
+    MET_IMAGE,
+    MET_PARTNER,
     NORMAL,
     NOW,
     PARTNER,
@@ -74,10 +76,17 @@ def imaged(world, entry, r):
 
 
 @kernel
-def image_code(world, entry):
-    """One number for the neighbour and the image of it that an entry is about."""
-    links = world.lists.links
-    return (int(links[entry, IMAGE // 4]) << 32) | int(links[entry, PARTNER])
+def meet(world, entry, body):
+    """Note that the contact which is known of a body is that with the neighbour, and the image of it, of an entry."""
+    link, span = world.lists.links[entry], world.lists.spans[body]
+    span[MET_PARTNER], span[MET_IMAGE] = link[PARTNER], link[IMAGE // 4]
+
+
+@kernel
+def is_met(world, entry, body):
+    """Whether the contact that is known of a body, or was known, is with the neighbour of an entry."""
+    link, span = world.lists.links[entry], world.lists.spans[body]
+    return span[MET_PARTNER] == link[PARTNER] and span[MET_IMAGE] == link[IMAGE // 4]
 
 
 @kernel

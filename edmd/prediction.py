@@ -29,6 +29,7 @@ from edmd.state import (
     SIDE_BEND,
     SIDE_RATE,
     SINCE,
+    SLOT,
     TWIN,
     WATCHED,
 )
@@ -164,9 +165,10 @@ def reschedule(world, body):
     """The body waits for the earliest of its pairs, or for its escape."""
     numbers, span = world.lists.numbers, world.lists.spans[body]
     begin = int(span[BEGIN])
-    earliest, what = world.anchors[body, ESCAPE_TIME], ESCAPE
+    earliest, what = world.lists.escapes[body, ESCAPE_TIME], ESCAPE
     for slot in range(int(span[COUNT])):                            # no jump: who is earlier is a toss
         time = numbers[begin + slot, EVENT]
         earlier = time < earliest
         earliest, what = time if earlier else earliest, slot if earlier else what
-    schedule(world.calendar, body, earliest, what)
+    span[SLOT] = what
+    schedule(world.calendar, body, earliest)

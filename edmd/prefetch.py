@@ -10,8 +10,8 @@ from numba import types
 from numba.extending import intrinsic, overload
 
 from ccd.compiling import kernel
-from edmd.calendar import WAYS
-from edmd.state import BEGIN, COUNT, PARTNER
+from edmd.calendar import WAYS, whose
+from edmd.state import BEGIN, BLOCK_ROW, COUNT, PARTNER, SLOT
 
 LINE = 8                    # float64 of a cache line
 READ, KEEP, DATA = 0, 3, 1  # what llvm.prefetch takes: to be read, into the nearest cache, no code
@@ -74,10 +74,11 @@ def fetch_surroundings(world, body):
 
 @kernel
 def fetch_cell(cells, cell):
-    """The first bodies of a cell."""
-    block = cells.places[cell, 0]
-    for k in range(0, len(block), 2 * LINE):
-        fetch(block, k)
+    """What is asked of a cell, for two blocks of bodies, which most cells fill."""
+    fetch(cells.count, cell)
+    for block in range(min(2, cells.places.shape[1])):
+        for k in range(0, BLOCK_ROW, 2 * LINE):
+            fetch(cells.places[cell, block], k)
     fetch(cells.bodies[cell], 0)
 
 
@@ -93,7 +94,7 @@ def likely_next(calendar, body):
                 earlier = times[rival] < earliest and rival != rounds[k] + won
                 earliest, place = times[rival] if earlier else earliest, rival if earlier else place
         won = match
-    return int(calendar.body[place])
+    return whose(calendar, place)
 
 
 @kernel
@@ -101,10 +102,8 @@ def fetch_next(world, body):
     """What the first steps of the event after this body's take. -> whose event that is, most likely"""
     calendar = world.calendar
     place = body = likely_next(calendar, body)
-    fetch_body(world, body)
-    fetch_anchor(world.anchors, body)
     fetch(world.lists.spans[body], 0)
-    fetch(calendar.slot, body)
+    fetch_body(world, body)
     for k in range(len(calendar.rounds) - 1):
         fetch(calendar.time, calendar.rounds[k] + place)
         place //= WAYS
@@ -114,22 +113,11 @@ def fetch_next(world, body):
 
 @kernel
 def fetch_pair(world, body):
-    """What its event takes next, once `fetch_next` has brought what tells: its list, and the partner."""
-    partner = _partner(world, body)
-    fetch_list(world.lists, body)
-    fetch_body(world, partner)
-    fetch_anchor(world.anchors, partner)
-    fetch(world.lists.spans[partner], 0)
-
-
-@kernel
-def fetch_list_of_partner(world, body):
-    """And at last the list of the partner, once `fetch_pair` has brought where it is."""
-    fetch_list(world.lists, _partner(world, body))
-
-
-@kernel
-def _partner(world, body):
-    """With whom a body may collide next, as far as known; itself, when it waits for its escape."""
-    lists, slot = world.lists, int(world.calendar.slot[body])
-    return int(lists.links[int(lists.spans[body, BEGIN]) + slot, PARTNER]) if 0 <= slot < lists.spans[body, COUNT] else body
+    """What its event takes besides, once `fetch_next` and `fetch_list` have brought what tells: the partner, or its own anchor."""
+    lists, slot = world.lists, int(world.lists.spans[body, SLOT])
+    if 0 <= slot < lists.spans[body, COUNT]:
+        partner = int(lists.links[int(lists.spans[body, BEGIN]) + slot, PARTNER])
+        fetch(lists.spans[partner], 0)
+        fetch_body(world, partner)
+    else:
+        fetch_anchor(world.anchors, body)

@@ -15,7 +15,7 @@ BODY_ROW = 24
 
 # turns: bounds of a body's turning, constant in flight (flight.py): its rate, and of support values the bend for all time, and those of
 # `ccd.first_contact.support_course` on the third and the fourth derivative of their squares.
-# MET: the normal of the contact that it is going to make at MET_TIME with the neighbour that the calendar's `met` names, if that has had no
+# MET: the normal of the contact that it is going to make at MET_TIME with the neighbour that its span names, if that has had no
 # collision since: its own time is MET_SINCE still. From THIRD on of free tops only; TOP: the numbers of a `ccd.free_top.Top`
 FASTEST, FOURTH, BEND, MET, MET_TIME, MET_SINCE, THIRD, TOP = 0, 1, 2, 3, 6, 7, 8, 9
 TURN_ROW, TURN_ROW_OF_TOPS = 8, 24
@@ -36,8 +36,8 @@ GENERAL = -1
 # motions: how a shape moves in free flight: not at all, at the constant rate L / I_perp (eq. (12)), or as a free top (eq. (12b))
 STILL, STEADY, FREE = 0, 1, 2
 
-# anchors: where a body was, at which size, when its list was made
-ANCHOR_POSITION, ANCHOR_RADIUS, ANCHOR_MARGIN, ANCHOR_SIZE, ESCAPE_TIME, ANCHOR_VECTORS = 0, 3, 4, 5, 6, 7
+# anchors: where a body was to be, at which size, when its list was made; SEEN: the rebuild that saw the body last
+ANCHOR_POSITION, ANCHOR_RADIUS, ANCHOR_MARGIN, ANCHOR_SIZE, SEEN, ANCHOR_VECTORS = 0, 3, 4, 5, 6, 7
 ANCHOR_ROW = 16
 
 # entries of the neighbour lists: one cache line for each neighbour of each body, which four arrays of different types show.
@@ -58,9 +58,10 @@ LANES, NOBODY = 8, 1e12
 (PLACE_POSITION, PLACE_AXIS, PLACE_ACROSS, PLACE_ALONG, PLACE_MARGIN, PLACE_GAP,
  BLOCK_ROW) = (LANES * column for column in (0, 3, 6, 7, 8, 9, 10))
 
-# spans of the lists among the entries
-BEGIN, COUNT, ROOM = 0, 1, 2
-SPAN_ROW = 4
+# spans: where the list of a body stands among the entries, one behind the other in the order of the bodies, and what the body waits for:
+# a SLOT of its list, or its escape; ESCAPE_TIME, of `escapes`, the same memory; MET_PARTNER and MET_IMAGE: the pair whose contact is known
+BEGIN, COUNT, ROOM, SLOT, MET_PARTNER, MET_IMAGE = 0, 1, 2, 3, 4, 5
+SPAN_ROW, ESCAPE_TIME = 8, 3
 
 # clock: NOW and every time in the world count from EPOCH. REACH_SIZE: the largest size of an anchor. REFINE: a time, see tolerances.
 # ENERGY: of the motions that collisions exchange; ENERGY_TIME: its time integral up to ENERGY_SINCE; it and VIRIAL are sums of this epoch,
@@ -84,11 +85,11 @@ class Lists(NamedTuple):
     """Neighbour lists. A pair's earliest possible contact stands in the list of the body that predicted it last, inf in the other."""
 
     spans: np.ndarray       # int32 (n, SPAN_ROW)
+    escapes: np.ndarray     # float64 (n, SPAN_ROW / 2), the same memory
     numbers: np.ndarray     # float64 (entries, 8)
     directions: np.ndarray  # float32 (entries, 16), the same memory
     links: np.ndarray       # int32 (entries, 16), the same memory
     images: np.ndarray      # int8 (entries, 64), the same memory
-    seen: np.ndarray        # int64 (n,): the rebuild that saw a body last
 
 
 class Grid(NamedTuple):
@@ -117,8 +118,6 @@ class Calendar(NamedTuple):
     time: np.ndarray        # float64 (places,)
     body: np.ndarray        # int32 (places,)
     rounds: np.ndarray      # int64 (rounds,): the first place of each
-    slot: np.ndarray        # int32 (n,): what the body waits for
-    met: np.ndarray         # int64 (n,): the neighbour, and in which image, whose contact with the body is known
 
 
 class Contacts(NamedTuple):

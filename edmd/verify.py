@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from ccd import Ellipsoid, Status, batch, separation
 from ccd.culling import close_pairs
 from edmd import state
-from edmd.calendar import WAYS
+from edmd.calendar import WAYS, whose
 from edmd.epoch import kinetic_energy
 from edmd.flight import advance_all
 from edmd.inertia import angular_velocities
@@ -58,10 +58,9 @@ def _check_links(world):
     entry, body = _entries_in_use(world)
     lists, spans = world.lists, world.lists.spans
     assert (spans[:, state.COUNT] <= spans[:, state.ROOM]).all(), "a list is longer than its room"
-    begin = spans[np.argsort(spans[:, state.BEGIN], kind="stable")]
-    ends = begin[:, state.BEGIN] + begin[:, state.ROOM]
-    assert (ends[:-1] <= begin[1:, state.BEGIN]).all(), "lists overlap"
-    assert ends[-1] <= world.tally[state.ENTRIES] <= len(lists.numbers), "lists reach beyond their room"
+    ends = spans[:, state.BEGIN] + spans[:, state.ROOM]
+    assert (ends[:-1] == spans[1:, state.BEGIN]).all(), "lists overlap, or leave room to nobody"
+    assert ends[-1] == world.tally[state.ENTRIES] <= len(lists.numbers), "lists reach beyond their room"
     owner = np.full(len(lists.numbers), -1)
     owner[entry] = body
     twin, partner = lists.links[entry, state.TWIN], lists.links[entry, state.PARTNER]
@@ -83,14 +82,14 @@ def _check_calendar(world):
     calendar, n = world.calendar, len(world.bodies)
     for first, end, above in zip(calendar.rounds, [len(calendar.time), *calendar.rounds], calendar.rounds[1:]):
         for match, begin in enumerate(range(first, end, WAYS)):
-            winner = min(zip(calendar.time[begin:begin + WAYS], calendar.body[begin:begin + WAYS]))
+            winner = min((calendar.time[place], whose(calendar, place)) for place in range(begin, begin + WAYS))
             place = above + match
             assert (calendar.time[place], calendar.body[place]) == winner, f"place {place} of the calendar is not the earliest of its match"
     entry = calendar.time[calendar.rounds[0]:calendar.rounds[0] + n]
     entries, body = _entries_in_use(world)
     earliest = np.full(n, np.inf)
     np.minimum.at(earliest, body, world.lists.numbers[entries, state.EVENT])
-    assert (entry <= np.minimum(earliest, world.anchors[:, state.ESCAPE_TIME])).all(), "a body waits past its earliest event"
+    assert (entry <= np.minimum(earliest, world.lists.escapes[:, state.ESCAPE_TIME])).all(), "a body waits past its earliest event"
     assert (entry >= world.clock[state.NOW] - 1e-12 * abs(world.clock[state.NOW])).all(), "an event lies in the past"
 
 

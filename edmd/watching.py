@@ -14,9 +14,10 @@ from edmd.pairs import (
     courses,
     direction_of,
     hold_until,
-    image_code,
     imaged,
+    is_met,
     is_sphere,
+    meet,
     meeting_of_balls,
     record,
     rounded,
@@ -54,8 +55,9 @@ def touching(world, entry, body, partner):
         now, reach = world.clock[NOW], ball_now(world, body)[2] + ball_now(world, partner)[2]
         close = gap <= TOUCHING * reach * size_now(world.clock) + world.clock[ROUNDING] or now + span == now
         return rate < 0 and close, scale(1.0 / norm(r), r)
-    turn, known = world.turns[body], world.calendar.met[body] == image_code(world, entry)
-    return known and turn[MET_TIME] == world.clock[NOW] and turn[MET_SINCE] == world.bodies[partner, TIME], load(turn, MET)
+    turn = world.turns[body]
+    known = is_met(world, entry, body) and turn[MET_TIME] == world.clock[NOW] and turn[MET_SINCE] == world.bodies[partner, TIME]
+    return known, load(turn, MET)
 
 
 @kernel
@@ -93,7 +95,8 @@ def _shoot(world, entry, body, partner):
         stiff = bend + 2 * (size * (own.turning[3] + other.turning[3]) + abs(growth) * (abs(seen[0][1]) + abs(seen[1][1])))
         if rate < 0 and best and not recorded and (close or stiff * span * span <= touch):      # that bounds the gap at the end of the span
             time += 0.0 if close else span
-            turn, world.calendar.met[body] = world.turns[body], image_code(world, entry)
+            turn = world.turns[body]
+            meet(world, entry, body)
             store(turn, MET, n)
             turn[MET_TIME], turn[MET_SINCE] = time, world.bodies[partner, TIME]
             return time

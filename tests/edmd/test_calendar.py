@@ -14,7 +14,6 @@ def test_the_earliest_event_comes_first(n):
     for _ in range(3000):
         body, time = int(rng.integers(n)), float(rng.choice([rng.integers(0, 40), rng.uniform(0, 40), np.inf]))
         times[body] = time
-        schedule(calendar, body, time, 3)
+        schedule(calendar, body, time)
         assert calendar.time[0] == times.min()
         assert calendar.body[0] == times.argmin()
-        assert calendar.slot[body] == 3

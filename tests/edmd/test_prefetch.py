@@ -23,7 +23,7 @@ def test_the_next_body_has_the_second_event_of_all(n):
     times = rng.choice([*rng.uniform(0, 1, n), np.inf], n)
     times[0] = 0.5
     for body in range(n):
-        schedule(calendar, body, times[body], 0)
+        schedule(calendar, body, times[body])
     first = int(calendar.body[0])
     width = 8 ** max(len(calendar.rounds) - 3, 0)
     times[first // width * width:(first // width + 1) * width] = np.inf
@@ -46,8 +46,7 @@ def test_asking_changes_nothing(compiled):
     world = melted(60)._world
     before = {name: array.copy() for name, array in flattened(world)}
     for body in range(60):
-        for ask in (prefetch.fetch_next, prefetch.fetch_pair, prefetch.fetch_list_of_partner, prefetch.fetch_surroundings,
-                    prefetch.fetch_body):
+        for ask in (prefetch.fetch_next, prefetch.fetch_pair, prefetch.fetch_surroundings, prefetch.fetch_body):
             (ask if compiled else ask.py_func)(world, body)
     for name, array in flattened(world):
         np.testing.assert_array_equal(array, before[name])
