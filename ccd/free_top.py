@@ -62,13 +62,26 @@ def top_of(q, momentum, inverse_moments):
     length = norm(momentum)
     x = scale(1.0 / length if length > 0.0 else 0.0, to_body(q, momentum))
     rates = scale(length, inverse_moments)
-    slopes, squares = _differences(rates), _each(x, x)
-    drift, shift, spin = _each(slopes, _others(x)), _each(_others(slopes), squares), dot(rates, squares)
-    drifts = _each(drift, drift)
-    wobble = drifts[0] + drifts[1] + drifts[2]
-    mean, swerve = (shift[0] + shift[1] + shift[2]) * (1 / 3), spin * wobble - dot(rates, drifts)
-    e = (mean - shift[0], mean - shift[1], mean - shift[2])
-    return Top(length, x, drift, shift, spin, wobble, swerve, dot(e, e) * (1 / 10), e[0] * e[1] * e[2] * (1 / 7))
+    drift, shift, wobble, e = _curve(rates, x)
+    spin = dot(rates, _each(x, x))
+    return Top(length, x, drift, shift, spin, wobble, spin * wobble - dot(rates, _each(drift, drift)), dot(e, e) * (1 / 10),
+               e[0] * e[1] * e[2] * (1 / 7))
+
+
+@kernel
+def top_from(length, x, spin, swerve, square, inverse_moments):
+    """The same from those of its numbers that take longest to compute."""
+    drift, shift, wobble, e = _curve(scale(length, inverse_moments), x)
+    return Top(length, x, drift, shift, spin, wobble, swerve, square, e[0] * e[1] * e[2] * (1 / 7))
+
+
+@kernel
+def _curve(rates, x):
+    """Of a `Top`: drift, shift, wobble, and the e_i. rates: inverse moments times L."""
+    slopes = _differences(rates)
+    drift, shift = _each(slopes, _others(x)), _each(_others(slopes), _each(x, x))
+    mean = (shift[0] + shift[1] + shift[2]) * (1 / 3)
+    return drift, shift, dot(drift, drift), (mean - shift[0], mean - shift[1], mean - shift[2])
 
 
 @kernel

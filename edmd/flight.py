@@ -5,7 +5,7 @@ from typing import NamedTuple
 from ccd import rotation
 from ccd.compiling import kernel, large_kernel
 from ccd.first_contact import support_course
-from ccd.free_top import Top, angular_velocity, fastest_turning, jolts, top_of, turn_freely, turn_top, turning_of
+from ccd.free_top import angular_velocity, fastest_turning, jolts, top_from, top_of, turn_freely, turn_top, turning_of
 from ccd.precession import NO_AXIS
 from ccd.revolution import course_of_axis, facing_of_axis, shape_of_axis, turning_axis
 from ccd.rotation import axes_of_any, body_axes, load_quaternion, unit
@@ -104,17 +104,13 @@ def _set_free_turning(row, turn, kind):
 
 @kernel
 def _store_top(turn, top):
-    turn[TOP], turn[TOP + 10], turn[TOP + 11], turn[TOP + 12] = top.length, top.spin, top.wobble, top.swerve
-    turn[TOP + 13], turn[TOP + 14] = top.square, top.cube
+    turn[TOP], turn[TOP + 4], turn[TOP + 5], turn[TOP + 6] = top.length, top.spin, top.swerve, top.square
     store(turn, TOP + 1, top.x)
-    store(turn, TOP + 4, top.drift)
-    store(turn, TOP + 7, top.shift)
 
 
 @kernel
-def _top(turn):
-    return Top(turn[TOP], load(turn, TOP + 1), load(turn, TOP + 4), load(turn, TOP + 7), turn[TOP + 10], turn[TOP + 11], turn[TOP + 12],
-               turn[TOP + 13], turn[TOP + 14])
+def _top(turn, inverse_moments):
+    return top_from(turn[TOP], load(turn, TOP + 1), turn[TOP + 4], turn[TOP + 5], turn[TOP + 6], inverse_moments)
 
 
 @kernel
@@ -141,7 +137,7 @@ def _turned(row, turn, kind, time):
 @large_kernel
 def _turned_freely(turn, q, momentum, inverse_moments, time):
     if time != 0.0:
-        q = turn_top(_top(turn), q, momentum, inverse_moments, time)
+        q = turn_top(_top(turn, inverse_moments), q, momentum, inverse_moments, time)
     axes = axes_of_any(q)
     spin, acceleration = turning_of(axes, momentum, inverse_moments)
     return q, axes, spin, acceleration

@@ -16,9 +16,9 @@ BODY_ROW = 24
 # turns: bounds of a body's turning, constant in flight (flight.py): its rate, and of support values the bend for all time, and those of
 # `ccd.first_contact.support_course` on the third and the fourth derivative of their squares.
 # MET: the normal of the contact that it is going to make at MET_TIME with the neighbour that its span names, if that has had no
-# collision since: its own time is MET_SINCE still. From THIRD on of free tops only; TOP: the numbers of a `ccd.free_top.Top`
+# collision since: its own time is MET_SINCE still. From THIRD on of free tops only; TOP: of a `ccd.free_top.Top` what `top_from` takes
 FASTEST, FOURTH, BEND, MET, MET_TIME, MET_SINCE, THIRD, TOP = 0, 1, 2, 3, 6, 7, 8, 9
-TURN_ROW, TURN_ROW_OF_TOPS = 8, 24
+TURN_ROW, TURN_ROW_OF_TOPS = 8, 16
 
 # kinds: one row for all bodies of equal semi-axes, mass and moments. AXIS: see ccd/precession.py; ACROSS: the
 # inverse moment of a STEADY motion; SPREAD: longest less shortest semi-axis; BENDING: (longest^2 - shortest^2) / shortest, for eq. (7);
