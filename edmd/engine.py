@@ -84,7 +84,7 @@ def advance_events(world, until_time, until_collisions):
             watch(world, int(world.watched[watched]))
             watched += 1
         if ahead:
-            fetch_list(world.lists, then)
+            fetch_list(lists, then)
         reschedule(world, body)
         if partner != body:
             reschedule(world, partner)

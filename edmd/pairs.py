@@ -76,7 +76,7 @@ def imaged(world, entry, r):
 
 
 @kernel
-def meet(world, entry, body):
+def set_met(world, entry, body):
     """Note that the contact which is known of a body is that with the neighbour, and the image of it, of an entry."""
     link, span = world.lists.links[entry], world.lists.spans[body]
     span[MET_PARTNER], span[MET_IMAGE] = link[PARTNER], link[IMAGE // 4]

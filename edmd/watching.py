@@ -17,10 +17,10 @@ from edmd.pairs import (
     imaged,
     is_met,
     is_sphere,
-    meet,
     meeting_of_balls,
     record,
     rounded,
+    set_met,
     size_at,
     size_now,
     support_until,
@@ -96,7 +96,7 @@ def _shoot(world, entry, body, partner):
         if rate < 0 and best and not recorded and (close or stiff * span * span <= touch):      # that bounds the gap at the end of the span
             time += 0.0 if close else span
             turn = world.turns[body]
-            meet(world, entry, body)
+            set_met(world, entry, body)
             store(turn, MET, n)
             turn[MET_TIME], turn[MET_SINCE] = time, world.bodies[partner, TIME]
             return time
