@@ -8,15 +8,16 @@ The search for a pair carries a direction that turns (turning_plane.py). The eve
 away, holds the direction fixed: `support_course`, `bend_until` and `holding_time` are its predictor.
 """
 
-from math import inf, sqrt
+from math import inf
 
 from ccd.compiling import kernel
+from ccd.lanes import greater, lesser, sqrt, where_less
 from ccd.rotation import body_axes, turn_about
 from ccd.separation import best_plane, contact_point, semi_axis_vectors, support
 from ccd.status import Status
 from ccd.tolerances import CANCELLING, EXACT, LAG, SHOOT_STEPS, SPHERE_MARGIN, TOUCHING
 from ccd.turning_plane import facing, first_root, following, holding_span, support_series, swing
-from ccd.vectors import add, add_scaled, cross, dot, norm, scale, subtract
+from ccd.vectors import add, add_scaled, cross, dot, norm, root_and_inverse, scale, subtract
 
 CONTACT, NO_CONTACT, OVERLAPPING, UNRESOLVED = (int(Status.CONTACT), int(Status.NO_CONTACT), int(Status.OVERLAPPING),
                                                 int(Status.UNRESOLVED))
@@ -49,9 +50,9 @@ def support_course(s, turning, n):
     twice = add(cross(seen, spin), bent)
     dp, dq, dw = dot(s[0], seen), dot(s[1], seen), dot(s[2], seen)
     ddp, ddq, ddw = dot(s[0], twice), dot(s[1], twice), dot(s[2], twice)
-    h = sqrt(p * p + q * q + w * w)
+    h, over = root_and_inverse(p * p + q * q + w * w)
     half_rate = p * dp + q * dq + w * dw
-    rate = half_rate / h
+    rate = half_rate * over
     second = dp * dp + dq * dq + dw * dw + p * ddp + q * ddq + w * ddw - rate * rate
     third += dp * ddp + dq * ddq + dw * ddw - (1 / 3) * dot(spin, spin) * half_rate - middle * dot(seen, bent)
     return h, rate, second, third, fourth, bend
@@ -62,15 +63,15 @@ def bend_until(course, reach):
     """A bound on the curvature of h in time, up to `reach`: the local one where h surely keeps half its value."""
     h, rate, second, third, fourth, bend = course
     later = h + rate * reach
-    over = second + max(reach * (third + reach * fourth), 0.0)
-    return min(bend, max(over / h, over / later)) if later > 0.5 * h else bend
+    over = second + greater(reach * (third + reach * fourth), 0.0)
+    return where_less(0.5 * h, later, lesser(bend, greater(over / h, over / where_less(0.5 * h, later, later, h))), bend)
 
 
 @kernel
 def grown(motion, size, growth, horizon):
     """`support_motion` of the same body with semi-axes times size + growth * time, a bound up to the horizon, eq. (11)."""
     value, rate, bend = motion
-    extra = 2 * growth * rate + max(growth * bend, 0.0) * horizon
+    extra = 2 * growth * rate + greater(growth * bend, 0.0) * horizon
     return size * value, size * rate + growth * value, size * bend + extra
 
 

@@ -7,10 +7,11 @@ solved step by step, and no case is special: equal moments, the separatrix and t
 q: unit quaternion, body to lab; momentum: angular momentum, lab frame; inverse_moments: one over each principal moment.
 """
 
-from math import copysign, inf, sqrt
+from math import copysign, inf
 from typing import NamedTuple
 
 from ccd.compiling import kernel
+from ccd.lanes import absolute, greater, lesser, most, sqrt, where_less
 from ccd.rotation import cos_and_sinc, multiply, to_body, to_lab, turn, unit
 from ccd.tolerances import DOUBLINGS, PERIOD, SHORT_TURN, STEADY
 from ccd.vectors import add_scaled, cross, dot, norm, scale
@@ -60,7 +61,7 @@ class Top(NamedTuple):
 def top_of(q, momentum, inverse_moments):
     """The `Top` of a body that stands and turns like this."""
     length = norm(momentum)
-    x = scale(1.0 / length if length > 0.0 else 0.0, to_body(q, momentum))
+    x = scale(1.0 / where_less(0.0, length, length, inf), to_body(q, momentum))
     rates = scale(length, inverse_moments)
     drift, shift, wobble, e = _curve(rates, x)
     spin = dot(rates, _each(x, x))
@@ -95,19 +96,47 @@ def turn_freely(q, momentum, inverse_moments, time):
 def turn_top(top, q, momentum, inverse_moments, time):
     """`turn_freely` of a body whose `Top` is known, not made unit again."""
     half, doublings = 0.5 * time, 0
-    size = abs(top.shift[0]) + abs(top.shift[1]) + abs(top.shift[2]) + top.wobble
-    extent = half * half * size
-    if extent > SHORT_TURN:
-        if top.wobble < STEADY * size:
-            return turn(q, scale(top.spin / top.length, momentum), time)
-        while extent > SHORT_TURN and doublings < DOUBLINGS:
-            extent, half, doublings = 0.25 * extent, 0.5 * half, doublings + 1
+    if is_short(top, half):
+        return turn_shortly(top, q, inverse_moments, half)
+    swerving = _swerving(top)
+    if top.wobble < STEADY * swerving:
+        return turn(q, scale(top.spin / top.length, momentum), time)
+    extent = half * half * swerving
+    while extent > SHORT_TURN and doublings < DOUBLINGS:
+        extent, half, doublings = 0.25 * extent, 0.5 * half, doublings + 1
+    curve, terms, square = _curve_of(top, half)
+    return _turned_to(_doubled(_short(curve, terms, square), curve, terms, half, doublings), top, q, inverse_moments, half)
+
+
+@kernel
+def is_short(top, half):
+    """Whether `turn_shortly` turns it as far as `turn_top`; of two bodies side by side, both."""
+    return most(half * half * _swerving(top)) <= SHORT_TURN
+
+
+@kernel
+def _swerving(top):
+    return absolute(top.shift[0]) + absolute(top.shift[1]) + absolute(top.shift[2]) + top.wobble
+
+
+@kernel
+def turn_shortly(top, q, inverse_moments, half):
+    """`turn_top` for a short time, by its half, where a series tells all; also of two bodies side by side."""
+    curve, terms, square = _curve_of(top, half)
+    return _turned_to(_short(curve, terms, square), top, q, inverse_moments, half)
+
+
+@kernel
+def _curve_of(top, half):
+    """What `_short` takes."""
     square = half * half
     curve = (scale(square, top.shift), square * top.wobble, top.spin, square * top.swerve)
-    terms = (square * square * top.square, square * square * square * top.cube)
-    place = _short(curve, terms, square)
-    if doublings > 0:
-        place = _doubled(place, curve, terms, half, doublings)
+    return curve, (square * square * top.square, square * square * square * top.cube), square
+
+
+@kernel
+def _turned_to(place, top, q, inverse_moments, half):
+    """The orientation, from where the momentum has come on its curve."""
     y, w, f, z, c, s = place
     a, b = _each(top.x, _others(y)), scale(half, _each(top.drift, y))
     r0 = c * f * z
@@ -173,21 +202,26 @@ def fastest_turning(top, inverse_moments):
     moments = scale(top.length, inverse_moments)
     squares, rates = _each(top.x, top.x), _differences(moments)
     w = _each(moments, top.x)
-    speed = dot(w, w) + max(0.0, top.shift[0], top.shift[1], top.shift[2])
+    speed = dot(w, w) + greater(0.0, greater(top.shift[0], greater(top.shift[1], top.shift[2])))
     weights = _each(_each(moments, moments), _each(rates, rates))
     product = rates[0] * rates[1] * rates[2]
     now = dot(weights, _others(squares))
     slope = (weights[0] * (rates[1] * squares[2] + rates[2] * squares[1]) + weights[1] * (rates[2] * squares[0] + rates[0] * squares[2])
              + weights[2] * (rates[0] * squares[1] + rates[1] * squares[0]))
     bend = product * product
-    if bend == 0.0:
-        return sqrt(speed), sqrt(now)
-    first, last = -inf, inf
-    for square, rate in ((squares[0], rates[0]), (squares[1], rates[1]), (squares[2], rates[2])):
-        end = -square / rate
-        first, last = (max(first, end), last) if rate > 0 else (first, min(last, end))
-    along = min(max(0.5 * slope / bend, first), last)
-    return sqrt(speed), sqrt(max(now, now + along * (slope - along * bend)))
+    curved = where_less(0.0, bend, bend, 1.0)               # without a bend the rate is that of now for all time
+    along, last = 0.5 * slope / curved, inf
+    along, last = _within(squares[0] / where_less(0.0, bend, rates[0], 1.0), rates[0], along, last)
+    along, last = _within(squares[1] / where_less(0.0, bend, rates[1], 1.0), rates[1], along, last)
+    along, last = _within(squares[2] / where_less(0.0, bend, rates[2], 1.0), rates[2], along, last)
+    along = lesser(along, last)
+    return sqrt(speed), sqrt(where_less(0.0, bend, greater(now, now + along * (slope - along * curved)), now))
+
+
+@kernel
+def _within(end, rate, along, last):
+    """A place on a curve, and the last one there is, no further than where a square that changes at this rate would be 0."""
+    return where_less(0.0, rate, greater(along, -end), along), where_less(rate, 0.0, lesser(last, -end), last)
 
 
 @kernel

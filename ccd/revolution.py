@@ -5,12 +5,10 @@ keeps full precision for plates. Where the shape turns at a constant angular vel
 supports in any direction n follow from u.n, u'.n and u''.n. A sphere is one whose axis is any.
 """
 
-from math import sqrt
-
 from ccd.compiling import kernel
 from ccd.rotation import cos_and_sinc
 from ccd.turning_plane import face
-from ccd.vectors import add, add_scaled, cross, dot, scale
+from ccd.vectors import add, add_scaled, cross, dot, root_and_inverse, scale
 
 
 @kernel
@@ -18,8 +16,6 @@ def turning_axis(u, spin, square, time):
     """(u, u', u'') of an axis that turns at the constant rate `spin`, so much later. square: |spin|^2."""
     first = cross(spin, u)
     second = cross(spin, first)
-    if time == 0.0:
-        return u, first, second
     half = 0.5 * time
     c, s = cos_and_sinc(half * half * square)
     s *= half
@@ -45,9 +41,9 @@ def course_of_axis(axis, squares, bend, fourth, n):
     across, along, square = squares
     c, first, second = dot(axis[0], n), dot(axis[1], n), dot(axis[2], n)
     beside, d = add_scaled(n, -c, axis[0]), along - across
-    h = sqrt(across * dot(beside, beside) + along * c * c)
+    h, over = root_and_inverse(across * dot(beside, beside) + along * c * c)
     half_rate = d * c * first
-    rate = half_rate / h
+    rate = half_rate * over
     return h, rate, d * (first * first + c * second) - rate * rate, d * first * second - (1 / 3) * square * half_rate, fourth, bend
 
 
@@ -57,6 +53,5 @@ def facing_of_axis(u, across, along, flight, n):
     c = dot(u, n)
     beside = add_scaled(n, -c, u)
     point = add_scaled(scale(across, beside), along * c, u)
-    h = sqrt(across * dot(beside, beside) + along * c * c)
-    over = 1.0 / h
+    h, over = root_and_inverse(across * dot(beside, beside) + along * c * c)
     return face(h, scale(over, point), over, shape_of_axis(u, across, along), flight, n)

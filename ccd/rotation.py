@@ -1,8 +1,9 @@
 """Unit quaternions (w, x, y, z), scalar first, turning body into lab; rotation at a constant rate."""
 
-from math import cos, pi, sin, sqrt
+from math import pi
 
 from ccd.compiling import kernel
+from ccd.lanes import cos, greater, most, sin, sqrt, where_less
 from ccd.vectors import add, add_scaled, cross, scale
 
 SERIES_BELOW = 0.25      # squared half-angle up to which eight terms of the series are exact to the last bit
@@ -52,10 +53,11 @@ def _series(z):
 @kernel
 def cos_and_sinc(square):
     """cos x and sin x / x from x squared. Flights between events turn a body by little: the series saves two library calls."""
-    if square < SERIES_BELOW:
-        return _series(square)
-    x = sqrt(square)
-    return cos(x), sin(x) / x
+    c, s = _series(square)
+    if most(square) < SERIES_BELOW:
+        return c, s
+    x = sqrt(greater(square, SERIES_BELOW))
+    return where_less(square, SERIES_BELOW, c, cos(x)), where_less(square, SERIES_BELOW, s, sin(x) / x)
 
 
 @kernel

@@ -5,9 +5,8 @@ the principal axes); its shape matrix is X = s1 s1^T + s2 s2^T + s3 s3^T and its
 r is the vector from the centre of A to the centre of B.
 """
 
-from math import sqrt
-
 from ccd.compiling import kernel, large_kernel
+from ccd.lanes import sqrt
 from ccd.tolerances import PENCIL_STEPS
 from ccd.vectors import add_scaled, cross, dot, norm, scale, subtract
 

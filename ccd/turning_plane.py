@@ -8,12 +8,13 @@ hardly moves: spin about the symmetry axis of a body of revolution, for one, cos
 Nothing here branches, so that a loop over columns of pairs (flight_blocks.py) becomes vector instructions.
 """
 
-from math import inf, sqrt
+from math import inf
 
 from ccd.compiling import kernel
+from ccd.lanes import sqrt
 from ccd.separation import shape_matrix
 from ccd.tolerances import CANCELLING
-from ccd.vectors import add, add_scaled, cross, dot, scale, subtract
+from ccd.vectors import add, add_scaled, cross, dot, root_and_inverse, scale, subtract
 
 
 @kernel
@@ -49,8 +50,7 @@ def facing(s, flight, n):
     curvature: H, the second derivative of size * h by n, eq. (8b). drift: what the body's flight adds to the right side of eq. (8b).
     """
     p, q, w = dot(s[0], n), dot(s[1], n), dot(s[2], n)
-    h = sqrt(p * p + q * q + w * w)
-    over = 1.0 / h
+    h, over = root_and_inverse(p * p + q * q + w * w)
     c = scale(over, add_scaled(add_scaled(scale(p, s[0]), q, s[1]), w, s[2]))
     return face(h, c, over, shape_matrix(s), flight, n)
 
@@ -73,7 +73,12 @@ def following(face_a, face_b, gap, n, pull):
     -> m, solved; m is 0 where float64 cannot solve for it.
     """
     a, b = face_a[2], face_b[2]
-    k = (a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5])
+    return leaning((a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4], a[5] + b[5]), gap, n, pull)
+
+
+@kernel
+def leaning(k, gap, n, pull):
+    """`following` with H, the sum of the curvatures."""
     w = add_scaled(pull, -dot(pull, n), n)
     trace = k[0] + k[1] + k[2] + gap
     minors = k[0] * k[1] - k[3] * k[3] + k[0] * k[2] - k[4] * k[4] + k[1] * k[2] - k[5] * k[5] + gap * trace

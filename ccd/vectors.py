@@ -1,8 +1,7 @@
 """3-vectors as tuples of three floats. Inside kernels these compile to plain registers; a 3-element array costs a hundred times more."""
 
-from math import sqrt
-
 from ccd.compiling import kernel
+from ccd.lanes import sqrt
 
 
 @kernel
@@ -39,6 +38,13 @@ def cross(a, b):
 @kernel
 def norm(a):
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+
+
+@kernel
+def root_and_inverse(square):
+    """The square root and one over it: the division does not wait for the root."""
+    root = sqrt(square)
+    return root, root * (1.0 / square)
 
 
 @kernel

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ccd.precession import symmetry_axes
+from ccd.precession import NO_AXIS, symmetry_axes
 from edmd import prediction, state
 from edmd.calendar import WAYS
 from edmd.epoch import energy_counted, forget_lists, kinetic_energy, make_lists, mean_velocity, reschedule_all
@@ -153,6 +153,9 @@ def _kind_rows(system, rough):
     rows[:, state.MOTION] = motion
     rows[:, state.DEGREES] = rotational_degrees(semi_axes, moments, rough)
     rows[:, state.ACROSS] = np.where(motion == state.STEADY, 1 / moments[np.arange(len(distinct)), (np.minimum(axis, 2) + 1) % 3], 0.0)
+    rows[:, state.FREE_MOMENTS:state.FREE_MOMENTS + 3] = np.where(motion[:, None] == state.FREE, 1 / moments, 0.0)
+    counted = (axis[:, None] == np.arange(3)) + 0.5 * (axis[:, None] == NO_AXIS)
+    rows[:, state.STRAYING:state.STRAYING + 3] = counted / semi_axes**2
     rows[:, state.UNEQUAL] = (abs(np.roll(moments, 1, axis=1) - np.roll(moments, 2, axis=1)) / moments).max(axis=1)
     rows[:, state.SPREAD] = largest - smallest
     rows[:, state.LARGEST] = largest

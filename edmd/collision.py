@@ -1,28 +1,35 @@
 """Apply the impulse of a contact to both bodies."""
 
 from ccd.compiling import kernel, large_kernel
-from ccd.rotation import body_axes, load_quaternion
-from ccd.separation import support, support_point
-from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, store, subtract
-from edmd.flight import arrive, kind_of, load_vectors, turning
+from ccd.free_top import turning_of
+from ccd.lanes import abreast, first, first_of, second, second_of, total, total_of, two
+from ccd.separation import semi_axis_vectors, support, support_point
+from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, subtract
+from edmd.couple import arrive_both, both, each, store_both
+from edmd.flight import arrive, kind_of, turning
 from edmd.pairs import size_now
 from edmd.rules import elastic, rough
 from edmd.rules.kinds import CONTACT_TIME, ELASTIC, KIND, PARAMETERS, ROUGH, smooth_restitution
 from edmd.state import (
+    ACROSS,
     COLLISIONS,
     ENERGY,
     ENERGY_SINCE,
     ENERGY_TIME,
     FAINT,
     FAINT_PAIR,
+    FREE,
+    FREE_MOMENTS,
     GROWTH,
     INVERSE_MASS,
     INVERSE_MOMENTS,
+    LARGEST,
     MOMENTUM,
+    MOTION,
     NOW,
-    ORIENTATION,
+    SEMI_AXES,
     SPARED,
-    VECTORS,
+    STILL,
     VELOCITY,
     VIRIAL,
 )
@@ -30,45 +37,53 @@ from edmd.tolerances import FAINT_CHANGE, FAINTEST
 
 
 @kernel
-def _kick(row, kind, impulse, torque, sign):
-    """An impulse and its torque about the centre, with this sign."""
-    store(row, VELOCITY, add_scaled(load(row, VELOCITY), sign * kind[INVERSE_MASS], impulse))
-    store(row, MOMENTUM, add_scaled(load(row, MOMENTUM), sign, torque))
-
-
-@kernel
 def collide(world, body, partner, n):
     """Two bodies touch now; n: the normal from one to the other."""
-    clock = world.clock
+    clock, rule = world.clock, world.contacts.rule
     a, b = world.bodies[body], world.bodies[partner]
     kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
-    arrive(a, world.turns[body], kind_a, clock[NOW])
-    arrive(b, world.turns[partner], kind_b, clock[NOW])
-    s_a, s_b, size = load_vectors(a, VECTORS), load_vectors(b, VECTORS), size_now(clock)
-    lever_a, lever_b = scale(size, support_point(s_a, n)), scale(-size, support_point(s_b, n))
-    arm_a, arm_b = cross(lever_a, n), cross(lever_b, n)
-    straight = kind_a[INVERSE_MASS] + kind_b[INVERSE_MASS]
-    inverse_mass = straight + dot(arm_a, turning(a, kind_a, arm_a)) + dot(arm_b, turning(b, kind_b, arm_b))
-    supports = support(s_a, n) + support(s_b, n)
-    rate = (dot(n, subtract(load(b, VELOCITY), load(a, VELOCITY))) + dot(arm_b, turning(b, kind_b, load(b, MOMENTUM)))
-            - dot(arm_a, turning(a, kind_a, load(a, MOMENTUM))) - clock[GROWTH] * supports)
+    size, growth = size_now(clock), clock[GROWTH]
+    supports, points, axes = _arrive(world, body, partner, n)
+    levers = scale(two(size, -size), points)
+    arms = cross(levers, n)
+    twists = scale(each(kind_a, kind_b, ACROSS), arms)              # angular velocities that arms, as angular momenta, give
+    if kind_a[MOTION] == FREE or kind_b[MOTION] == FREE:
+        free_twists, _ = turning_of(axes, arms, both(kind_a, kind_b, FREE_MOMENTS))
+        twists = add(twists, free_twists)
+    straight, spinning = kind_a[INVERSE_MASS] + kind_b[INVERSE_MASS], dot(twists, both(a, b, MOMENTUM))
+    inverse_mass = straight + total(dot(arms, twists))
+    rate = dot(n, subtract(load(b, VELOCITY), load(a, VELOCITY))) + second(spinning) - first(spinning) - growth * supports
     rate = -abs(rate)                                   # they approach: what is above 0 is rounding
     # n is unit up to rounding only: what n.n has above 1 keeps the energy, and would be rounded, one way more often, if it were added to 1
     rate -= rate * straight * ((n[0] * n[0] - 1.0) + n[1] * n[1] + n[2] * n[2]) / inverse_mass
     impulse, lost = elastic.impulse(-rate, inverse_mass), 0.0
-    kind = int(world.contacts.rule[KIND])
+    kind = int(rule[KIND])
     if kind != ELASTIC and not _spared(world, body, partner):
         _notice_faint(world.tally, a, b, min(body, partner) * len(world.bodies) + max(body, partner), rate)
         if kind == ROUGH:
-            virial, gain = _rub(a, b, kind_a, kind_b, n, (lever_a, lever_b, clock[GROWTH] * supports), world.contacts.rule)
+            virial, gain = _rub((a, b), (kind_a, kind_b), n, (levers, axes, growth * supports), rule)
             _record(world, virial, gain)
             return
-        left = smooth_restitution(world.contacts.rule, -rate)
+        left = smooth_restitution(rule, -rate)
         lost = -0.25 * (1 - left * left) * rate * impulse
         impulse *= 0.5 * (1 + left)
-    _kick(a, kind_a, scale(impulse, n), scale(impulse, arm_a), -1.0)
-    _kick(b, kind_b, scale(impulse, n), scale(impulse, arm_b), 1.0)
-    _record(world, impulse * supports * size, clock[GROWTH] * supports * impulse - lost)
+    kick = two(-impulse, impulse)
+    _kick((a, b), (kind_a, kind_b), scale(kick, n), scale(kick, arms))
+    _record(world, impulse * supports * size, growth * supports * impulse - lost)
+
+
+@kernel
+def _arrive(world, body, partner, n):
+    """Move both bodies to the present. -> the sum of their supports in direction n, the supporting points of both along n, their axes"""
+    kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
+    if kind_a[MOTION] == STILL and kind_b[MOTION] == STILL:
+        for one in (body, partner):
+            arrive(world.bodies[one], world.turns[one], world.kinds[kind_of(world, one)], world.clock[NOW])
+        radii, along, across = each(kind_a, kind_b, LARGEST), two(1.0, 1.0), two(0.0, 0.0)
+        return total(radii), scale(radii, n), ((along, across, across), (across, along, across), (across, across, along))
+    axes = arrive_both(world, body, partner)
+    vectors = semi_axis_vectors(both(kind_a, kind_b, SEMI_AXES), axes)
+    return total(support(vectors, n)), support_point(vectors, n), axes
 
 
 @kernel
@@ -96,34 +111,41 @@ def _notice_faint(tally, a, b, pair, rate):
 
 
 @large_kernel
-def _rub(a, b, kind_a, kind_b, n, contact, rule):
-    """A rough collision: an impulse in any direction. contact: both levers, and the speed at which growing surfaces approach each other.
-    -> its virial and the energy gained, as for `_record`"""
-    lever_a, lever_b, growth = contact
-    surface_a = add(load(a, VELOCITY), cross(turning(a, kind_a, load(a, MOMENTUM)), lever_a))
-    surface_b = add(load(b, VELOCITY), cross(turning(b, kind_b, load(b, MOMENTUM)), lever_b))
-    velocity = add_scaled(subtract(surface_b, surface_a), -growth / dot(n, n), n)
-    m_a, m_b = _yielding(a, kind_a, lever_a), _yielding(b, kind_b, lever_b)
-    matrix = (m_a[0] + m_b[0], m_a[1] + m_b[1], m_a[2] + m_b[2], m_a[3] + m_b[3], m_a[4] + m_b[4], m_a[5] + m_b[5])
+def _rub(rows, kinds, n, contact, rule):
+    """A rough collision: an impulse in any direction. contact: levers and axes of both, and the speed at which growing surfaces approach
+    each other. -> its virial and the energy gained, as for `_record`"""
+    (a, b), (kind_a, kind_b), (levers, axes, growth) = rows, kinds, contact
+    spins = abreast(turning(a, kind_a, load(a, MOMENTUM)), turning(b, kind_b, load(b, MOMENTUM)))
+    surfaces = add(both(a, b, VELOCITY), cross(spins, levers))
+    velocity = add_scaled(subtract(second_of(surfaces), first_of(surfaces)), -growth / dot(n, n), n)
+    yielding = _yielding(axes, levers, each(kind_a, kind_b, INVERSE_MASS), both(kind_a, kind_b, INVERSE_MOMENTS))
+    matrix = total_of(yielding[:3]) + total_of(yielding[3:])
     impulse, lost = rough.impulse(n, velocity, dot(n, rough.times(matrix, n)), matrix, rule[PARAMETERS:])
-    _kick(a, kind_a, impulse, cross(lever_a, impulse), -1.0)
-    _kick(b, kind_b, impulse, cross(lever_b, impulse), 1.0)
-    return dot(impulse, subtract(lever_a, lever_b)), growth * dot(n, impulse) - lost
+    impulses = scale(two(-1.0, 1.0), impulse)
+    _kick(rows, kinds, impulses, cross(levers, impulses))
+    return -total(dot(impulses, levers)), growth * dot(n, impulse) - lost
 
 
 @kernel
-def _yielding(row, kind, lever):
+def _yielding(axes, lever, inverse_mass, inverse_moments):
     """The symmetric matrix (xx, yy, zz, yz, zx, xy) from an impulse at lever from the centre to the change of velocity of that point:
     1 / m + sum over the principal axes e of q q^T / I, q = e x lever."""
-    axes = body_axes(load_quaternion(row, ORIENTATION))
     p, q, r = cross(axes[0], lever), cross(axes[1], lever), cross(axes[2], lever)
-    (i, j, k), inverse_mass = load(kind, INVERSE_MOMENTS), kind[INVERSE_MASS]
+    i, j, k = inverse_moments
     return (inverse_mass + i * p[0] * p[0] + j * q[0] * q[0] + k * r[0] * r[0],
             inverse_mass + i * p[1] * p[1] + j * q[1] * q[1] + k * r[1] * r[1],
             inverse_mass + i * p[2] * p[2] + j * q[2] * q[2] + k * r[2] * r[2],
             i * p[1] * p[2] + j * q[1] * q[2] + k * r[1] * r[2],
             i * p[2] * p[0] + j * q[2] * q[0] + k * r[2] * r[0],
             i * p[0] * p[1] + j * q[0] * q[1] + k * r[0] * r[1])
+
+
+@kernel
+def _kick(rows, kinds, impulses, torques):
+    """Impulses on both bodies, and their torques about the centres."""
+    (a, b), (kind_a, kind_b) = rows, kinds
+    store_both(a, b, VELOCITY, add_scaled(both(a, b, VELOCITY), each(kind_a, kind_b, INVERSE_MASS), impulses))
+    store_both(a, b, MOMENTUM, add(both(a, b, MOMENTUM), torques))
 
 
 @kernel

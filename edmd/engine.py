@@ -2,8 +2,9 @@
 
 from ccd.compiling import kernel
 from edmd.collision import collide
+from edmd.couple import set_turning_of_both
 from edmd.events import Ended, EventKind
-from edmd.neighbors import DONE, escape, set_escape
+from edmd.neighbors import DONE, escape, set_escapes
 from edmd.pairs import rounded, turn_plane
 from edmd.prediction import predict, reschedule
 from edmd.prefetch import fetch_body, fetch_list, fetch_next, fetch_pair, fetch_surroundings
@@ -75,9 +76,10 @@ def advance_events(world, until_time, until_collisions):
                 fetch_surroundings(world, partner)
                 collide(world, body, partner, n)
                 turn_plane(world, entry, rounded(n))
+                set_turning_of_both(world, body, partner)
+                set_escapes(world, body, partner)
                 for one in (body, partner):
                     predict(world, one)
-                    set_escape(world, one)
             else:
                 world.watched[0], tally[WATCHED], partner = entry, 1, body
         while watched < tally[WATCHED]:

@@ -7,7 +7,7 @@ from math import inf, sqrt
 from ccd.compiling import kernel, large_kernel
 from ccd.vectors import add_scaled, dot, load, scale, store, subtract
 from edmd.flight import advance_all, kind_of, set_turning, turning
-from edmd.neighbors import DONE, rebuild, set_escape
+from edmd.neighbors import DONE, rebuild, set_escapes
 from edmd.pairs import size_now
 from edmd.prediction import predict, reschedule
 from edmd.rules.kinds import ELASTIC, KIND, set_contact_time
@@ -31,6 +31,7 @@ from edmd.state import (
     EPOCH_SPARED,
     ESCAPE_TIME,
     EVENT,
+    FREE_MOMENTS,
     GROWTH,
     HORIZON,
     INSTANT,
@@ -220,6 +221,7 @@ def rescale(world, factor, inertia_factor):
         world.kinds[kind, ACROSS] /= inertia_factor
         for k in range(3):
             world.kinds[kind, INVERSE_MOMENTS + k] /= inertia_factor
+            world.kinds[kind, FREE_MOMENTS + k] /= inertia_factor
     predict_all(world)
 
 
@@ -252,7 +254,7 @@ def predict_all(world):
         predict(world, body)
         for k in range(world.tally[WATCHED]):
             watch(world, int(world.watched[k]))
-        set_escape(world, body)
+        set_escapes(world, body, body)
     reschedule_all(world)
 
 

@@ -5,13 +5,22 @@ from typing import NamedTuple
 from ccd import rotation
 from ccd.compiling import kernel, large_kernel
 from ccd.first_contact import support_course
-from ccd.free_top import angular_velocity, fastest_turning, jolts, top_from, top_of, turn_freely, turn_top, turning_of
+from ccd.free_top import (
+    angular_velocity,
+    fastest_turning,
+    jolts,
+    top_from,
+    top_of,
+    turn_freely,
+    turn_top,
+    turning_of,
+)
 from ccd.precession import NO_AXIS
 from ccd.revolution import course_of_axis, facing_of_axis, shape_of_axis, turning_axis
 from ccd.rotation import axes_of_any, body_axes, load_quaternion, unit
 from ccd.separation import semi_axis_vectors, shape_matrix
 from ccd.turning_plane import facing
-from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store
+from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, store
 from edmd.state import (
     ACROSS,
     ACROSS_SQUARE,
@@ -22,6 +31,7 @@ from edmd.state import (
     FASTEST,
     FOURTH,
     FREE,
+    FREE_MOMENTS,
     GENERAL,
     INVERSE_MOMENTS,
     KIND,
@@ -87,30 +97,33 @@ def set_turning(row, turn, kind):
         _set_free_turning(row, turn, kind)
     else:
         spin = scale(kind[ACROSS], load(row, MOMENTUM))
-        rate, turn[FASTEST] = norm(spin), _swing(row, kind, spin)
-        swing = turn[FASTEST] + UNSTEADY * rate
-        turn[BEND] = 0.5 * swing * (rate + swing) * kind[BENDING]
-        turn[FOURTH] = (1 / 3) * rate * rate * turn[BEND] * (kind[LARGEST] - kind[SPREAD])
+        turn[FASTEST] = _swing(row, kind, spin)
+        turn[BEND], turn[FOURTH] = steady_bounds(norm(spin), turn[FASTEST], kind[BENDING], kind[LARGEST] - kind[SPREAD])
+
+
+@kernel
+def steady_bounds(rate, swing, bending, least):
+    """BEND and FOURTH of a body that turns at a constant rate, and its axis at the rate `swing`."""
+    swing += UNSTEADY * rate
+    bend = 0.5 * swing * (rate + swing) * bending
+    return bend, (1 / 3) * rate * rate * bend * least
+
+
+@kernel
+def free_bounds(top, inverse_moments, bending, least, unequal):
+    """FASTEST, BEND, THIRD and FOURTH of a free top."""
+    most, hardest = fastest_turning(top, inverse_moments)
+    third, fourth = jolts(most, hardest, unequal, bending * least)
+    return most, (most * most + 0.5 * hardest) * bending, third, fourth
 
 
 @large_kernel
 def _set_free_turning(row, turn, kind):
     top = top_of(load_quaternion(row, ORIENTATION), load(row, MOMENTUM), load(kind, INVERSE_MOMENTS))
-    _store_top(turn, top)
-    most, hardest = fastest_turning(top, load(kind, INVERSE_MOMENTS))
-    turn[FASTEST], turn[BEND] = most, (most * most + 0.5 * hardest) * kind[BENDING]
-    turn[THIRD], turn[FOURTH] = jolts(most, hardest, kind[UNEQUAL], kind[BENDING] * (kind[LARGEST] - kind[SPREAD]))
-
-
-@kernel
-def _store_top(turn, top):
     turn[TOP], turn[TOP + 4], turn[TOP + 5], turn[TOP + 6] = top.length, top.spin, top.swerve, top.square
     store(turn, TOP + 1, top.x)
-
-
-@kernel
-def _top(turn, inverse_moments):
-    return top_from(turn[TOP], load(turn, TOP + 1), turn[TOP + 4], turn[TOP + 5], turn[TOP + 6], inverse_moments)
+    turn[FASTEST], turn[BEND], turn[THIRD], turn[FOURTH] = free_bounds(
+        top, load(kind, INVERSE_MOMENTS), kind[BENDING], kind[LARGEST] - kind[SPREAD], kind[UNEQUAL])
 
 
 @kernel
@@ -121,31 +134,17 @@ def _swing(row, kind, spin):
 
 
 @kernel
-def _turned(row, turn, kind, time):
-    """How a shape stands so much later than its row has it: orientation (of a free top not made unit), semi-axis vectors, angular velocity
-    and acceleration."""
-    q, momentum = load_quaternion(row, ORIENTATION), load(row, MOMENTUM)
+def turned(row, turn, kind, time):
+    """The orientation so much later than the row of a body has it; of a free top not made unit."""
     if kind[MOTION] == FREE:
-        q, axes, spin, acceleration = _turned_freely(turn, q, momentum, load(kind, INVERSE_MOMENTS), time)
-        return q, semi_axis_vectors(load(kind, SEMI_AXES), axes), spin, acceleration
-    spin = scale(kind[ACROSS], momentum)
-    if time != 0.0:
-        q = rotation.turn(q, spin, time)
-    return q, load_vectors(row, VECTORS) if time == 0.0 else _vectors(kind, q), spin, (0.0, 0.0, 0.0)
+        return _turned_freely(turn, load_quaternion(row, ORIENTATION), load(row, MOMENTUM), load(kind, INVERSE_MOMENTS), time)
+    return rotation.turn(load_quaternion(row, ORIENTATION), scale(kind[ACROSS], load(row, MOMENTUM)), time)
 
 
 @large_kernel
 def _turned_freely(turn, q, momentum, inverse_moments, time):
-    if time != 0.0:
-        q = turn_top(_top(turn, inverse_moments), q, momentum, inverse_moments, time)
-    axes = axes_of_any(q)
-    spin, acceleration = turning_of(axes, momentum, inverse_moments)
-    return q, axes, spin, acceleration
-
-
-@kernel
-def _vectors(kind, q):
-    return semi_axis_vectors(load(kind, SEMI_AXES), body_axes(q))
+    top = top_from(turn[TOP], load(turn, TOP + 1), turn[TOP + 4], turn[TOP + 5], turn[TOP + 6], inverse_moments)
+    return turn_top(top, q, momentum, inverse_moments, time)
 
 
 @kernel
@@ -153,12 +152,12 @@ def vectors_after(row, turn, kind, time, size):
     """Semi-axis vectors at this size so much later than the row of a body has them."""
     vectors = load_vectors(row, VECTORS)
     if kind[MOTION] != STILL:
-        _, vectors, _, _ = _turned(row, turn, kind, time)
+        vectors = semi_axis_vectors(load(kind, SEMI_AXES), axes_of_any(turned(row, turn, kind, time)))
     return scale(size, vectors[0]), scale(size, vectors[1]), scale(size, vectors[2])
 
 
 class Flight(NamedTuple):
-    """What the bounds need of a body at some time, in registers."""
+    """What the bounds need of a body at some time, in registers; or of two bodies side by side (couple.py)."""
 
     position: tuple
     velocity: tuple
@@ -168,20 +167,27 @@ class Flight(NamedTuple):
 
 
 @kernel
-def flight_of(world, body, time):
-    """A body as it is at some time. It stays where it is."""
-    row, kind = world.bodies[body], world.kinds[kind_of(world, body)]
-    position, velocity = position_at(row, time), load(row, VELOCITY)
+def flight_of(world, body):
+    """A body that is up to date."""
+    row, turn, kind = world.bodies[body], world.turns[body], world.kinds[kind_of(world, body)]
+    position, velocity, momentum = load(row, POSITION), load(row, VELOCITY), load(row, MOMENTUM)
+    spin = scale(kind[ACROSS], momentum)
     if kind[POLE] != GENERAL:
-        pole, spin = int(kind[POLE]), scale(kind[ACROSS], load(row, MOMENTUM))
-        square = dot(spin, spin)
-        axis = turning_axis(scale(1.0 / kind[SEMI_AXES + pole], load(row, VECTORS + 3 * pole)), spin, square, time - row[TIME])
+        pole, square = int(kind[POLE]), dot(spin, spin)
+        axis = turning_axis(scale(1.0 / kind[SEMI_AXES + pole], load(row, VECTORS + 3 * pole)), spin, square, 0.0)
         squares = kind[ACROSS_SQUARE], kind[ALONG_SQUARE], square
-        return Flight(position, velocity, True, axis, (spin, squares, 0.0, world.turns[body, BEND], 0.0, world.turns[body, FOURTH]))
-    turn, least = world.turns[body], kind[LARGEST] - kind[SPREAD]
-    _, vectors, spin, acceleration = _turned(row, turn, kind, time - row[TIME])
-    middle, third = 0.5 * (kind[LARGEST] * kind[LARGEST] + least * least), turn[THIRD] if kind[MOTION] == FREE else 0.0
-    return Flight(position, velocity, False, vectors, (spin, acceleration, middle, turn[BEND], third, turn[FOURTH]))
+        return Flight(position, velocity, True, axis, (spin, squares, 0.0, turn[BEND], 0.0, turn[FOURTH]))
+    free_spin, acceleration = turning_of(body_axes(load_quaternion(row, ORIENTATION)), momentum, load(kind, FREE_MOMENTS))
+    middle, third = middle_square(kind[LARGEST], kind[SPREAD]), turn[THIRD] if kind[MOTION] == FREE else 0.0
+    return Flight(position, velocity, False, load_vectors(row, VECTORS),
+                  (add(spin, free_spin), acceleration, middle, turn[BEND], third, turn[FOURTH]))
+
+
+@kernel
+def middle_square(largest, spread):
+    """Half the sum of the largest and the smallest squared semi-axis."""
+    least = largest - spread
+    return 0.5 * (largest * largest + least * least)
 
 
 @kernel
@@ -230,12 +236,22 @@ def arrive(row, turn, kind, now):
 
 @kernel
 def _advance_shape(row, turn, kind, now):
-    q, vectors, _, _ = _turned(row, turn, kind, now - row[TIME])
+    q = turned(row, turn, kind, now - row[TIME])
     if kind[MOTION] == FREE:
         q = unit(q)
+    store_pose(row, q, _vectors(kind, q))
+
+
+@kernel
+def store_pose(row, q, vectors):
     row[ORIENTATION] = q[0]
     store(row, ORIENTATION + 1, (q[1], q[2], q[3]))
     store_vectors(row, VECTORS, vectors)
+
+
+@kernel
+def _vectors(kind, q):
+    return semi_axis_vectors(load(kind, SEMI_AXES), body_axes(q))
 
 
 @kernel

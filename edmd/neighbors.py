@@ -5,19 +5,19 @@ margin until its ESCAPE_TIME. Two bodies are neighbours when the gap between the
 outside the list can be touched before the escape. One body at a time is looked at again; the predictions of the pairs that stay are kept.
 """
 
-from math import inf, pi, sqrt
+from math import inf, pi
 
 from ccd.compiling import kernel, large_kernel
-from ccd.precession import NO_AXIS
-from ccd.vectors import add_scaled, dot, load, norm, scale, store, subtract
+from ccd.lanes import absolute, first, greater, least, lesser, most, second, sqrt, two, where_less
+from ccd.vectors import add_scaled, dot, load, norm, store, subtract
 from edmd.boundary import displaced, fraction, image_of
 from edmd.cells import extent_along, place, row_within, scan, unpacked, window
+from edmd.couple import both, each, flights_of, vectors_of_both
 from edmd.events import Ended
-from edmd.flight import advance, flight_of, kind_of, load_vectors, store_vectors, vectors_after
+from edmd.flight import advance, course, kind_of, load_vectors, store_vectors, vectors_after
 from edmd.nearness import near, still_near
 from edmd.pairs import (
     ball_now,
-    courses,
     direction_of,
     hold_until,
     is_sphere,
@@ -34,7 +34,6 @@ from edmd.state import (
     ANCHOR_RADIUS,
     ANCHOR_SIZE,
     ANCHOR_VECTORS,
-    AXIS,
     BEGIN,
     COUNT,
     ENTRIES,
@@ -55,10 +54,10 @@ from edmd.state import (
     REFINE,
     ROOM,
     SEEN,
-    SEMI_AXES,
     SIDE,
     SLOT,
     SPREAD,
+    STRAYING,
     TWIN,
     VECTORS,
     VELOCITY,
@@ -69,48 +68,46 @@ DONE, NO_ROOM, CELL_TOO_SMALL = -1, int(Ended.NO_ROOM), int(Ended.CELL_TOO_SMALL
 
 
 @kernel
-def turned(row, kind, anchor):
-    """A bound on the angle by which a shape has turned since its anchor, of a body of revolution its axis; 2 % above it at 0.4 rad."""
-    over, axis = 1.0 / anchor[ANCHOR_SIZE], int(kind[AXIS])
-    square = 0.0
-    for k in range(3):
-        if k == axis or axis == NO_AXIS:
-            moved = subtract(load(row, VECTORS + 3 * k), scale(over, load(anchor, ANCHOR_VECTORS + 3 * k)))
-            square += dot(moved, moved) / (kind[SEMI_AXES + k] * kind[SEMI_AXES + k])
-    half = min(0.5 * sqrt(0.5 * square if axis == NO_AXIS else square), 1.0)
+def turned(vectors, anchored, weights, over):
+    """A bound on the angle by which a shape has turned since its anchor, of a body of revolution its axis; 2 % above it at 0.4 rad.
+
+    vectors: semi-axis vectors; anchored: of the anchor, whose size is 1 / over; weights: STRAYING.
+    """
+    p, q, r = (add_scaled(vectors[0], -over, anchored[0]), add_scaled(vectors[1], -over, anchored[1]),
+               add_scaled(vectors[2], -over, anchored[2]))
+    half = lesser(0.5 * sqrt(weights[0] * dot(p, p) + weights[1] * dot(q, q) + weights[2] * dot(r, r)), 1.0)
     return 2 * half * (1 + (pi / 2 - 1) * half * half)            # asin(x) <= x + (pi / 2 - 1) x^3
 
 
 @kernel
-def path_from(row, anchor):
-    """How a body has moved from its anchor. inf for one never anchored."""
-    return subtract(load(row, POSITION), load(anchor, ANCHOR_POSITION))
+def strayed(angle, sizes, spread, largest):
+    """How far any support value can have come from its anchor's by turning, and by growth, eq. (6). sizes: now, and of the anchor."""
+    return absolute(sizes[0] - sizes[1]) * largest + angle * spread * greater(sizes[0], sizes[1])
 
 
 @kernel
-def strayed(row, kind, anchor, size):
-    """How far any support value can have come from its anchor's by turning and growth, eq. (6)."""
-    growth = abs(size - anchor[ANCHOR_SIZE]) * kind[LARGEST]
-    return growth + turned(row, kind, anchor) * kind[SPREAD] * max(size, anchor[ANCHOR_SIZE]) if kind[SPREAD] > 0.0 else growth
-
-
-@kernel
-def straying(turn, kind, clock):
+def straying(fastest, spread, largest, clock):
     """How fast a support value can change at most within the horizon of growth: by turning, eq. (6), and by growth."""
     growth = abs(clock[GROWTH])
-    turning = turn[FASTEST] * kind[SPREAD] if kind[SPREAD] > 0.0 else 0.0
-    if growth == 0.0:
-        return size_now(clock) * turning, 0.0
-    return (size_now(clock) + growth * clock[HORIZON]) * turning, growth * kind[LARGEST]
+    return (size_now(clock) + (growth * clock[HORIZON] if growth > 0.0 else 0.0)) * fastest * spread, growth * largest
 
 
 @kernel
-def set_escape(world, body):
-    """The time until which an up-to-date body certainly stays within its margin."""
-    row, kind, clock, anchor = world.bodies[body], world.kinds[kind_of(world, body)], world.clock, world.anchors[body]
-    turning, growth = straying(world.turns[body], kind, clock)
-    room = SAFE * anchor[ANCHOR_MARGIN] - strayed(row, kind, anchor, size_now(clock))
-    _escape_after(world, body, staying(path_from(row, anchor), load(row, VELOCITY), room, turning + growth))
+def set_escapes(world, body, partner):
+    """The times until which two up-to-date bodies, which may be one, certainly stay within their margins."""
+    a, b, anchor_a, anchor_b = world.bodies[body], world.bodies[partner], world.anchors[body], world.anchors[partner]
+    kind_a, kind_b, size = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)], size_now(world.clock)
+    spread, largest, anchored = each(kind_a, kind_b, SPREAD), each(kind_a, kind_b, LARGEST), each(anchor_a, anchor_b, ANCHOR_SIZE)
+    turning, growth = straying(each(world.turns[body], world.turns[partner], FASTEST), spread, largest, world.clock)
+    angle = two(0.0, 0.0)
+    if most(spread) > 0.0:
+        vectors, there = vectors_of_both(a, b, VECTORS), vectors_of_both(anchor_a, anchor_b, ANCHOR_VECTORS)
+        angle = turned(vectors, there, both(kind_a, kind_b, STRAYING), 1.0 / anchored)
+    path = subtract(both(a, b, POSITION), both(anchor_a, anchor_b, ANCHOR_POSITION))
+    room = SAFE * each(anchor_a, anchor_b, ANCHOR_MARGIN) - strayed(angle, (size, anchored), spread, largest)
+    span = staying(path, both(a, b, VELOCITY), room, turning + growth)
+    _escape_after(world, body, first(span))
+    _escape_after(world, partner, second(span))
 
 
 @kernel
@@ -123,15 +120,15 @@ def _escape_after(world, body, span):
 def staying(r, v, room, shrinking):
     """How long |r + v t| stays below a room that shrinks at this rate, eq. (6c)."""
     left = room * room - dot(r, r)
-    if room <= 0.0 or not left > 0.0:
-        return 0.0
     half, bend = dot(r, v) + room * shrinking, dot(v, v) - shrinking * shrinking
-    root = sqrt(max(half * half + bend * left, 0.0))
-    over, under = (root - half, bend) if half < 0 else (left, half + root)
-    if under > 0.0:
-        return over / under
-    speed = norm(v) + shrinking                             # nothing moves, or rounding hides it
-    return (room - norm(r)) / speed if speed > 0.0 else inf
+    root = sqrt(greater(half * half + bend * left, 0.0))
+    over, under = where_less(half, 0.0, root - half, left), where_less(half, 0.0, bend, half + root)
+    span = over / where_less(0.0, under, under, 1.0)
+    if not least(under) > 0.0:                              # nothing moves, or rounding hides it
+        speed = norm(v) + shrinking
+        slow = where_less(0.0, speed, (room - norm(r)) / where_less(0.0, speed, speed, 1.0), inf)
+        span = where_less(0.0, under, span, slow)
+    return where_less(0.0, lesser(room, left), span, 0.0)
 
 
 @kernel
@@ -139,9 +136,12 @@ def escape(world, body):
     """The body may have left its margin: extend its time, or make its list anew. -> DONE, NO_ROOM or CELL_TOO_SMALL."""
     row, kind, anchor, size = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], size_now(world.clock)
     advance(row, world.turns[body], kind, world.clock[NOW])
-    if norm(path_from(row, anchor)) + strayed(row, kind, anchor, size) > REBUILD_BEYOND * anchor[ANCHOR_MARGIN]:
+    angle, path = 0.0, subtract(load(row, POSITION), load(anchor, ANCHOR_POSITION))        # inf for one never anchored
+    if kind[SPREAD] > 0.0:
+        angle = turned(load_vectors(row, VECTORS), load_vectors(anchor, ANCHOR_VECTORS), load(kind, STRAYING), 1.0 / anchor[ANCHOR_SIZE])
+    if norm(path) + strayed(angle, (size, anchor[ANCHOR_SIZE]), kind[SPREAD], kind[LARGEST]) > REBUILD_BEYOND * anchor[ANCHOR_MARGIN]:
         return rebuild(world, body)
-    set_escape(world, body)
+    set_escapes(world, body, body)
     return DONE
 
 
@@ -168,7 +168,7 @@ def _anchor(world, body):
     way. The body is first wrapped so that its anchor is in the cell; it moves to the grid cell of its anchor, if that has room."""
     row, kind, anchor, grid, clock = world.bodies[body], world.kinds[kind_of(world, body)], world.anchors[body], world.grid, world.clock
     size, velocity = size_now(clock), load(row, VELOCITY)
-    margin, (turning, growth) = size * kind[MARGIN_LENGTH], straying(world.turns[body], kind, clock)
+    margin, (turning, growth) = size * kind[MARGIN_LENGTH], straying(world.turns[body, FASTEST], kind[SPREAD], kind[LARGEST], clock)
     speed = norm(velocity) + turning + growth
     lead = min(LEAD * clock[REFINE], LEAD_SHARE * margin / speed) if speed > 0.0 else 0.0
     a, b, c = image_of(add_scaled(load(row, POSITION), lead, velocity), grid.inverse)
@@ -345,8 +345,8 @@ def _add(world, body, other, shift, n):
     if is_sphere(world, body) and is_sphere(world, other):
         span, _, _, _ = meeting_of_balls(world, entry, ball_now(world, body), ball_now(world, other))
     else:
-        n, own, far = rounded(n), flight_of(world, body, world.clock[NOW]), flight_of(world, other, world.clock[NOW])
-        span = record(world, entry, own, far, n, courses(own, far, n))
+        n, pair = rounded(n), flights_of(world, body, other, world.clock[NOW])
+        span = record(world, entry, pair, n, course(pair, n))
     hold_until(world, entry, world.clock[NOW] + span)
 
 

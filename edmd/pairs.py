@@ -11,9 +11,10 @@ import numpy as np
 
 from ccd.compiling import kernel
 from ccd.first_contact import bend_until, grown, holding_time
+from ccd.lanes import first, second, total, two
 from ccd.vectors import add_scaled, cross, dot, load, norm, scale, store, subtract
 from edmd.boundary import displaced
-from edmd.flight import course, kind_of, position_at
+from edmd.flight import kind_of, position_at
 from edmd.state import (
     EVENT,
     GROWTH,
@@ -46,12 +47,6 @@ def size_now(clock):
 @kernel
 def size_at(clock, time):
     return clock[SIZE] + clock[GROWTH] * time
-
-
-@kernel
-def courses(a, b, n):
-    """How the supports of two flights in direction n go on (`support_course`)."""
-    return course(a, n), course(b, n)
 
 
 @kernel
@@ -105,20 +100,20 @@ def turn_plane(world, entry, n):
 
 
 @kernel
-def record(world, entry, own, other, n, seen):
-    """Let a pair be watched by the plane of direction n (`rounded`), from now on; seen: its `courses`. -> for how long it holds."""
+def record(world, entry, pair, n, seen):
+    """Let a pair be watched by the plane of direction n (`rounded`), from now on; seen: its `course`. -> for how long it holds."""
     lists, clock = world.lists, world.clock
     number, twin, size, growth = lists.numbers[entry], lists.links[entry, TWIN], size_now(clock), clock[GROWTH]
     turn_plane(world, entry, n)
-    below, above = support_until(seen[0], size, growth, 2 * clock[HORIZON]), support_until(seen[1], size, growth, 2 * clock[HORIZON])
-    there = dot(n, imaged(world, entry, (0.0, 0.0, 0.0)))
-    side, rate = dot(n, other[0]) + there - above[0], dot(n, other[1]) - above[1]
-    top, top_rate = dot(n, own[0]) + below[0], dot(n, own[1]) + below[1]
-    number[SIDE], number[SIDE_RATE], number[SIDE_BEND] = side, rate, above[2]
+    height, rising, bending = support_until(seen, size, growth, 2 * clock[HORIZON])
+    there, outwards = dot(n, imaged(world, entry, (0.0, 0.0, 0.0))), two(1.0, -1.0)
+    sides, rates = dot(n, pair.position) + outwards * height, dot(n, pair.velocity) + outwards * rising
+    top, side, top_rate, rate = first(sides), second(sides) + there, first(rates), second(rates)
+    number[SIDE], number[SIDE_RATE], number[SIDE_BEND] = side, rate, second(bending)
     number = lists.numbers[twin]
-    number[SIDE], number[SIDE_RATE], number[SIDE_BEND], number[SINCE] = there - top, -top_rate, below[2], clock[NOW]
-    bend = above[2] + below[2]
-    return within(clock[HORIZON], held(side - top, rate - top_rate, bend, (above[0] + below[0], clock[ROUNDING])), bend)
+    number[SIDE], number[SIDE_RATE], number[SIDE_BEND], number[SINCE] = there - top, -top_rate, first(bending), clock[NOW]
+    bend = total(bending)
+    return within(clock[HORIZON], held(side - top, rate - top_rate, bend, (total(height), clock[ROUNDING])), bend)
 
 
 @kernel

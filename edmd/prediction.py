@@ -8,7 +8,7 @@ from ccd.revolution import course_of_axis
 from ccd.vectors import dot, norm, subtract
 from edmd.calendar import schedule
 from edmd.events import EventKind
-from edmd.flight import flight_of, kind_of, set_turning
+from edmd.flight import flight_of
 from edmd.pairs import ball_now, direction_of, held, hold_until, imaged, is_sphere, meeting, size_now, support_until, within
 from edmd.prefetch import fetch, fetch_body
 from edmd.state import (
@@ -44,14 +44,13 @@ def predict(world, body):
     """After a change of velocity: bound every pair of the body anew, which is up to date; some pairs are to be watched."""
     begin = int(world.lists.spans[body, BEGIN])
     end = begin + int(world.lists.spans[body, COUNT])
-    set_turning(world.bodies[body], world.turns[body], world.kinds[kind_of(world, body)])
     world.turns[body, MET_TIME] = -inf
     if is_sphere(world, body):
         own = ball_now(world, body)
         for first in range(begin, end, BLOCK):
             _predict_balls(world, body, (first, min(first + BLOCK, end)), own)
     else:
-        flight = flight_of(world, body, world.clock[NOW])
+        flight = flight_of(world, body)
         for first in range(begin, end, BLOCK):
             _predict_block(world, (first, min(first + BLOCK, end)), flight)
 

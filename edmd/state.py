@@ -25,12 +25,14 @@ TURN_ROW, TURN_ROW_OF_TOPS = 8, 16
 # UNEQUAL: largest difference of two moments over the third; DEGREES: of rotation that collisions exchange, 0, 2 or 3;
 # LEVEL: see Cells; POLE: which semi-axis vector tells the shape of a body of revolution, if its motion is not FREE, else GENERAL;
 # ACROSS_SQUARE, ALONG_SQUARE: of the semi-axes; HULL: about which of its axes the least body of revolution turns that holds it
-# (sieve.py); HULL_ACROSS, HULL_ALONG: squares of that one's semi-axes
+# (sieve.py); HULL_ACROSS, HULL_ALONG: squares of that one's semi-axes; FREE_MOMENTS: inverse moments of a FREE motion, 0 of any other;
+# STRAYING: by which the squared moves of the semi-axis vectors make the squared angle by which the shape has turned
 SEMI_AXES, INVERSE_MASS, INVERSE_MOMENTS, AXIS, ACROSS, SPREAD, LARGEST, BENDING, MARGIN_LENGTH = 0, 3, 4, 7, 8, 9, 10, 11, 12
 MOTION, UNEQUAL, DEGREES, LEVEL = 13, 14, 15, 16
 POLE, ACROSS_SQUARE, ALONG_SQUARE = 17, 18, 19
 HULL, HULL_ACROSS, HULL_ALONG = 20, 21, 22
-KIND_ROW = 24
+FREE_MOMENTS, STRAYING = 23, 26
+KIND_ROW = 32
 GENERAL = -1
 
 # motions: how a shape moves in free flight: not at all, at the constant rate L / I_perp (eq. (12)), or as a free top (eq. (12b))

@@ -1,17 +1,18 @@
 """Watching a pair: the certified shoot, which says when it can touch at the earliest (docs/theory.md, section 3). It moves no body."""
 
-from math import inf, sqrt
+from math import inf
 
 from ccd.compiling import kernel
 from ccd.first_contact import holding_time
+from ccd.lanes import abreast, absolute, first, first_of, second_of, sqrt, total, total_of
 from ccd.separation import best_plane_of
 from ccd.tolerances import EXACT, TOUCHING
-from ccd.turning_plane import following, times
-from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, store, subtract
-from edmd.flight import face_of, flight_of, shape_of
+from ccd.turning_plane import leaning, times
+from ccd.vectors import add, add_scaled, cross, dot, load, norm, root_and_inverse, scale, store, subtract
+from edmd.couple import flights_of
+from edmd.flight import course, face_of, shape_of
 from edmd.pairs import (
     ball_now,
-    courses,
     direction_of,
     hold_until,
     imaged,
@@ -67,24 +68,24 @@ def _shoot(world, entry, body, partner):
     time, growth, soon, n = clock[NOW], clock[GROWTH], IMMINENT * clock[REFINE], direction_of(world.lists, entry)
     for shot in range(SHOTS):
         world.tally[LOOKS] += 1
-        own, other, size = flight_of(world, body, time), flight_of(world, partner, time), size_at(clock, time)
-        r, start = imaged(world, entry, subtract(other[0], own[0])), n
+        pair, size, start = flights_of(world, body, partner, time), size_at(clock, time), n
+        r = imaged(world, entry, subtract(second_of(pair.position), first_of(pair.position)))
+        velocity = subtract(second_of(pair.velocity), first_of(pair.velocity))
         for way in range(3):
             best, lead, apart, found = True, 0.0, 0.0, True
             if way != NEWTON:
-                n, best = _plane(own, other, r, start)
+                n, best = _plane(pair, r, start)
             if way != BEST:
-                n, best, lead, apart, found = _aimed(own, other, r, n, (size, growth, clock[HORIZON], soon))
+                n, best, lead, apart, found = _aimed(pair, r, n, (size, growth, clock[HORIZON], soon))
                 if not found:
                     continue
             recorded = shot == 0 and apart > GRAZING and (lead > soon or lead == 0.0)
             if recorded:
                 n = rounded(n)
-            seen = courses(own, other, n)
+            seen = course(pair, n)
             reach = LOOK_PAST * max(lead, soon) if lead > 0.0 else clock[HORIZON]
-            below, above = support_until(seen[0], size, growth, reach), support_until(seen[1], size, growth, reach)
-            gap, rate, bend = dot(n, r) - below[0] - above[0], dot(n, subtract(other[1], own[1])) - below[1] - above[1], below[2] + above[2]
-            touch = TOUCHING * (below[0] + above[0])
+            supports, rising, bend = total_of(support_until(seen, size, growth, reach))
+            gap, rate, touch = dot(n, r) - supports, dot(n, velocity) - rising, TOUCHING * supports
             give = PRESSED * touch + 4 * clock[ROUNDING]
             touch += clock[ROUNDING]                                                  # positions are known no better
             room = gap + give if gap <= touch and rate * rate <= 4 * bend * give else gap       # a bounce no higher than that, eq. (13c)
@@ -92,7 +93,7 @@ def _shoot(world, entry, body, partner):
             close = room <= touch or time + span == time
             if (gap >= 0.0 and not close) or (best and (gap >= 0.0 or lead == 0.0)):
                 break                                   # else, aimed ahead, it cuts into the bodies now, or two that touch need the best
-        stiff = bend + 2 * (size * (own.turning[3] + other.turning[3]) + abs(growth) * (abs(seen[0][1]) + abs(seen[1][1])))
+        stiff = bend + 2 * (size * total(pair.turning[3]) + abs(growth) * total(absolute(seen[1])))
         if rate < 0 and best and not recorded and (close or stiff * span * span <= touch):      # that bounds the gap at the end of the span
             time += 0.0 if close else span
             turn = world.turns[body]
@@ -101,7 +102,7 @@ def _shoot(world, entry, body, partner):
             turn[MET_TIME], turn[MET_SINCE] = time, world.bodies[partner, TIME]
             return time
         if recorded:                                    # the bound on record looks further ahead, and is less sharp
-            span = max(span, record(world, entry, own, other, n, seen))
+            span = max(span, record(world, entry, pair, n, seen))
         time += span
         if span > soon or time > clock[NOW] + soon:
             break
@@ -109,7 +110,7 @@ def _shoot(world, entry, body, partner):
 
 
 @kernel
-def _aimed(own, other, r, n, scales):
+def _aimed(pair, r, n, scales):
     """Newton's method from n to the direction that is best when the bodies come together; just before that, to one near enough.
 
     scales: (size, growth, horizon, a time that is soon). -> direction, whether it is the best one to the last digits, time to the contact,
@@ -117,7 +118,7 @@ def _aimed(own, other, r, n, scales):
     """
     best, lead, gap = False, 0.0, 0.0
     for step in range(NEWTON_STEPS):
-        n, tilt, lead, gap = tilted(own, other, r, n, scales)
+        n, tilt, lead, gap = tilted(pair, r, n, scales)
         if gap == UNKNOWN or tilt > FAR or (step > 0 and gap < -CROSSED):
             break
         best = tilt <= ALIGNED
@@ -127,35 +128,38 @@ def _aimed(own, other, r, n, scales):
 
 
 @kernel
-def tilted(own, other, r, n, scales):
+def tilted(pair, r, n, scales):
     """One step of Newton's method from n towards the direction that is best when the bodies come together, eq. (8d).
 
     scales: as for `_aimed`. -> direction, squared angle from n, time until that should be, gap over the sum of the supports or UNKNOWN.
     """
     size, growth, horizon, _ = scales
-    spin_a, spin_b = own.turning[0], other.turning[0]
-    face_a, face_b = face_of(own, size, growth, n), face_of(other, size, growth, n)
-    v, supports = subtract(other[1], own[1]), size * (face_a[0] + face_b[0])
-    rate = (dot(n, v) - size * (dot(face_a[1], cross(n, spin_a)) + dot(face_b[1], cross(n, spin_b))) - growth * (face_a[0] + face_b[0]))
+    h, c, curvature, drifts, _ = face_of(pair, size, growth, n)
+    supports, v = total(h), subtract(second_of(pair.velocity), first_of(pair.velocity))
+    rate = dot(n, v) - size * total(dot(c, cross(n, pair.turning[0]))) - growth * supports
+    supports *= size
     gap = dot(n, r) - supports
-    lag, drift = add_scaled(r, -size, add(face_a[1], face_b[1])), add(add(v, face_a[3]), face_b[3])
-    now, solved = following(face_a, face_b, max(gap, 0.0), n, lag)
-    later, _ = following(face_a, face_b, max(gap, 0.0), n, drift)
+    lag, drift = add_scaled(r, -size, total_of(c)), add(v, total_of(drifts))
+    k = total_of(curvature[:3]) + total_of(curvature[3:])
+    steps, solved = leaning(k, max(gap, 0.0), n, abreast(lag, drift))
+    now, later = first_of(steps), second_of(steps)
     gap, closing, bend = gap + 0.5 * dot(now, lag), max(-rate - dot(later, lag), 0.0), max(dot(later, drift), 0.0)
     comes = gap > 0.0 and closing > 0.0
-    lead = min(gap / closing, sqrt(gap / bend) if bend > 0.0 else inf, horizon) if comes else 0.0
+    lead = min(gap / closing, sqrt(gap * bend) * (1.0 / bend) if bend > 0.0 else inf, horizon) if comes else 0.0
     tilt = add_scaled(now, lead, later)
     turned = add(n, tilt)
-    return scale(1.0 / norm(turned), turned), dot(tilt, tilt), lead, gap / supports if solved else UNKNOWN
+    _, over = root_and_inverse(dot(turned, turned))
+    return scale(over, turned), dot(tilt, tilt), lead, gap / supports if solved else UNKNOWN
 
 
 @kernel
-def _plane(own, other, r, n):
+def _plane(pair, r, n):
     """The best separating direction for these poses, and whether it converged; n: a direction near it.
 
     (1 - lambda) h_A = lambda h_B at the maximiser, by eq. (2): the direction says where to start.
     """
-    a, b = shape_of(own), shape_of(other)
-    h_a, h_b = sqrt(dot(times(a, n), n)), sqrt(dot(times(b, n), n))
-    n, _, converged = best_plane_of(a, b, r, h_a / (h_a + h_b), EXACT)
+    x = shape_of(pair)
+    h = sqrt(dot(times(x, n), n))
+    a, b = first_of(x[:3]) + first_of(x[3:]), second_of(x[:3]) + second_of(x[3:])
+    n, _, converged = best_plane_of(a, b, r, first(h) / total(h), EXACT)
     return n, converged

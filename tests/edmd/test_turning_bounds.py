@@ -42,7 +42,7 @@ def test_a_support_stays_below_its_parabola(semi_axes, tilt, by):
     world, u, about = turning_body(semi_axes, tilt)
     if by != "axis":
         world.kinds[:, POLE] = GENERAL
-    flight = flight_of(world, 0, 0.0)
+    flight = flight_of(world, 0)
     assert flight.axial == (by == "axis")
     n = np.random.default_rng(4).normal(size=(40, 3))
     n /= np.linalg.norm(n, axis=1)[:, None]

@@ -8,6 +8,8 @@ from scipy.spatial.transform import Rotation
 
 import ccd
 import edmd
+from ccd.compiling import kernel
+from ccd.lanes import abreast, two
 from edmd.flight import Flight
 from edmd.watching import tilted
 
@@ -15,7 +17,15 @@ from edmd.watching import tilted
 def flight(body, velocity, spin):
     """A flight as the engine has it, of a steadily turning body."""
     vectors = tuple(tuple(v) for v in body.semi_axis_vectors.T)
-    return Flight(tuple(body.center), tuple(velocity), False, vectors, (tuple(spin), (0.0, 0.0, 0.0), 0.0, 0.0, 1.0))
+    return Flight(tuple(body.center), tuple(velocity), False, vectors, (tuple(spin), (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 1.0))
+
+
+@kernel
+def tilted_pair(a, b, r, n, scales):
+    vectors = abreast(a.vectors[0], b.vectors[0]), abreast(a.vectors[1], b.vectors[1]), abreast(a.vectors[2], b.vectors[2])
+    none = two(0.0, 0.0)
+    turning = abreast(a.turning[0], b.turning[0]), abreast(a.turning[1], b.turning[1]), none, none, none, none
+    return tilted(Flight(abreast(a.position, b.position), abreast(a.velocity, b.velocity), False, vectors, turning), r, n, scales)
 
 
 def moved(body, velocity, spin, time):
@@ -40,8 +50,8 @@ def test_the_aim_is_the_best_direction_at_the_contact(seed):
     found = ccd.first_contact(a, ccd.FreeFlight((0, 0, 0), spins[0]), b, ccd.FreeFlight(velocity, spins[1]), (0.0, 10 * span))
     now = ccd.separation(a, b)
     assume(found.status == ccd.Status.CONTACT and now.gap > 0.2 * span)         # or surfaces turn away as fast as the bodies approach
-    direction, _, lead, gap = tilted(flight(a, (0, 0, 0), spins[0]), flight(b, velocity, spins[1]), tuple(b.center - a.center),
-                                     tuple(now.normal), (1.0, 0.0, 1.0, 0.0))
+    direction, _, lead, gap = tilted_pair(flight(a, (0, 0, 0), spins[0]), flight(b, velocity, spins[1]), tuple(b.center - a.center),
+                                          tuple(now.normal), (1.0, 0.0, 1.0, 0.0))
     best = ccd.separation(moved(a, (0, 0, 0), spins[0], found.time), moved(b, velocity, spins[1], found.time)).normal
     turned = np.linalg.norm(best - now.normal)                                      # small by chance where the two turn it to and fro
     angle = found.time * max(np.linalg.norm(spins[0]), np.linalg.norm(spins[1]))
