@@ -55,7 +55,7 @@ def measured(options):
     done = simulation._world.tally - before
     collisions = int(done[state.COLLISIONS])
     rate = float(np.median(rates))
-    neighbours = float(simulation._world.lists.spans[:, state.COUNT].mean())
+    neighbours = float(simulation._world.lists.spans[:-1, state.COUNT].mean())
     return {
         "benchmark": "equilibrium_speed", "n": options.n, "semi_axes": options.semi_axes, "packing_fraction": options.packing_fraction,
         "collisions_per_cpu_second": round(rate), "fastest_block": round(max(rates)), "slowest_block": round(min(rates)),

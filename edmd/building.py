@@ -48,7 +48,6 @@ def build_world(system, rule):
     tally = np.zeros(state.TALLY_ROW, dtype=np.int64)
     tally[state.NEXT_EPOCH] = max(EPOCH_COLLISIONS * n, EPOCH_LEAST)
     tally[state.ENOUGH] = EPOCH_LOOKS * tally[state.NEXT_EPOCH]
-    tally[state.ENTRIES] = n * LIST_ROOM
     world = World(bodies, kinds, np.zeros((n, 3), dtype=np.int32), turns, _aligned(n, state.ANCHOR_ROW), _lists(np.full(n, LIST_ROOM)),
                   _grid(system), _cells(system, kinds, kind), _calendar(n), clock, tally, contacts,
                   np.ones(prediction.COLUMNS), np.zeros(state.WATCHED_ROOM, dtype=np.int32))
@@ -199,9 +198,8 @@ def _body_rows(system, kinds, kind):
 
 def _lists(room):
     """Empty lists with room (n,) for so many entries."""
-    spans = _aligned(len(room), state.SPAN_ROW // 2).view(np.int32)
-    spans[:, state.ROOM] = room
-    spans[:, state.BEGIN] = np.cumsum(room) - room
+    spans = _aligned(len(room) + 1, state.SPAN_ROW // 2).view(np.int32)
+    spans[1:, state.BEGIN] = np.cumsum(room)
     spans[:, state.SLOT] = EventKind.ESCAPE
     return _views(spans, _aligned(int(room.sum()) + SPARE, state.ENTRY_ROW))
 
@@ -278,13 +276,11 @@ def _with_roomy_cells(world):
 def _packed(world, room=0):
     """The same world with its lists in order, each with a little more room than it has entries, or with this room if that is more."""
     old = world.lists
-    count = old.spans[:, state.COUNT]
-    lists = _lists(np.maximum(count + SPARE_ROOM, room))
-    for column in (state.COUNT, state.SLOT, state.MET_PARTNER, state.MET_IMAGE):
+    lists = _lists(np.maximum(old.spans[:-1, state.COUNT] + SPARE_ROOM, room))
+    for column in (state.COUNT, state.AWAITED, state.SLOT, state.MET_PARTNER, state.MET_IMAGE):
         lists.spans[:, column] = old.spans[:, column]
     lists.escapes[:, state.ESCAPE_TIME] = old.escapes[:, state.ESCAPE_TIME]
     copy_entries(old, lists, np.empty(len(old.numbers), dtype=np.int32))
-    world.tally[state.ENTRIES] = lists.spans[:, state.ROOM].sum()
     return world._replace(lists=lists)
 
 

@@ -7,7 +7,7 @@ from edmd.events import Ended, EventKind
 from edmd.neighbors import DONE, escape, set_escapes
 from edmd.pairs import rounded, turn_plane
 from edmd.prediction import predict, reschedule
-from edmd.prefetch import fetch_body, fetch_list, fetch_next, fetch_pair, fetch_surroundings
+from edmd.prefetch import fetch_collision, fetch_event, fetch_next, fetch_pair, fetch_surroundings
 from edmd.state import (
     BEGIN,
     COLLISIONS,
@@ -69,11 +69,10 @@ def advance_events(world, until_time, until_collisions):
                 return status
         elif slot < lists.spans[body, COUNT] and lists.numbers[entry, EVENT] == time:
             partner = int(lists.links[entry, PARTNER])
-            fetch_body(world, partner)
-            fetch_body(world, body)
+            fetch_pair(world, entry, body, partner)
             touches, n = touching(world, entry, body, partner)
             if touches:
-                fetch_surroundings(world, partner)
+                fetch_collision(world, body, partner, ahead)
                 collide(world, body, partner, n)
                 turn_plane(world, entry, rounded(n))
                 set_turning_of_both(world, body, partner)
@@ -83,13 +82,12 @@ def advance_events(world, until_time, until_collisions):
             else:
                 world.watched[0], tally[WATCHED], partner = entry, 1, body
         while watched < tally[WATCHED]:
-            watch(world, int(world.watched[watched]))
+            entry = int(world.watched[watched])
+            watch(world, entry, body if 0 <= entry - lists.spans[body, BEGIN] < lists.spans[body, COUNT] else partner)
             watched += 1
         if ahead:
-            fetch_list(lists, then)
+            fetch_event(world, then)
         reschedule(world, body)
         if partner != body:
             reschedule(world, partner)
-        if ahead:
-            fetch_pair(world, then)
     return PAUSED

@@ -253,7 +253,7 @@ def predict_all(world):
         world.tally[WATCHED] = 0
         predict(world, body)
         for k in range(world.tally[WATCHED]):
-            watch(world, int(world.watched[k]))
+            watch(world, int(world.watched[k]), body)
         set_escapes(world, body, body)
     reschedule_all(world)
 

@@ -36,7 +36,6 @@ from edmd.state import (
     ANCHOR_VECTORS,
     BEGIN,
     COUNT,
-    ENTRIES,
     ENTRY_ROW,
     ESCAPE_TIME,
     FASTEST,
@@ -52,7 +51,6 @@ from edmd.state import (
     REACH_SIZE,
     REBUILDS,
     REFINE,
-    ROOM,
     SEEN,
     SIDE,
     SLOT,
@@ -275,36 +273,29 @@ def _sift(world, body, found, one_image):
             if other == body:
                 return CELL_TOO_SMALL
             first, last = min(body, other), max(body, other)           # who takes, takes from those behind
-            if not (_has_room(world.lists, world.tally, first) and _has_room(world.lists, world.tally, last)):
+            if not (_has_room(world.lists, first) and _has_room(world.lists, last)):
                 return NO_ROOM
             _add(world, body, other, (i, j, m), n)
     return DONE
 
 
 @large_kernel
-def _has_room(lists, tally, body):
+def _has_room(lists, body):
     """Whether the list can take one more. A full one takes a place from the next that has one to spare, whose lists between move up by one:
     the first entry of each goes behind its last. The last list takes from what is behind the lists."""
-    spans, giver = lists.spans, body
-    while giver < len(spans) and spans[giver, COUNT] == spans[giver, ROOM]:
+    spans, giver, end = lists.spans, body, len(lists.spans) - 1
+    while giver < end and spans[giver, BEGIN] + spans[giver, COUNT] == spans[giver + 1, BEGIN]:
         giver += 1
         if giver > body + FULL_IN_A_ROW:
             return False
-    if giver == body:
-        return True
-    if giver < len(spans):
-        spans[giver, ROOM] -= 1
-    elif tally[ENTRIES] < len(lists.numbers):
-        tally[ENTRIES] += 1
-    else:
+    if giver == end and spans[end, BEGIN] == len(lists.numbers):
         return False
-    for one in range(min(giver, len(spans) - 1), body, -1):
+    for one in range(giver, body, -1):
         span = spans[one]
         begin, count, slot = int(span[BEGIN]), int(span[COUNT]), int(span[SLOT])
         if count > 0:
             _move(lists, begin, begin + count)
         span[BEGIN], span[SLOT] = begin + 1, slot - 1 if slot > 0 else count - 1 if slot == 0 else slot
-    spans[body, ROOM] += 1
     return True
 
 

@@ -12,6 +12,7 @@ from edmd.flight import flight_of
 from edmd.pairs import ball_now, direction_of, held, hold_until, imaged, is_sphere, meeting, size_now, support_until, within
 from edmd.prefetch import fetch, fetch_body
 from edmd.state import (
+    AWAITED,
     BEGIN,
     COUNT,
     ESCAPE_TIME,
@@ -170,4 +171,5 @@ def reschedule(world, body):
         earlier = time < earliest
         earliest, what = time if earlier else earliest, slot if earlier else what
     span[SLOT] = what
+    span[AWAITED] = world.lists.links[begin + what, PARTNER] if what != ESCAPE else body
     schedule(world.calendar, body, earliest)

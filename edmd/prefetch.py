@@ -10,8 +10,8 @@ from numba import types
 from numba.extending import intrinsic, overload
 
 from ccd.compiling import kernel
-from edmd.calendar import WAYS, whose
-from edmd.state import BEGIN, BLOCK_ROW, COUNT, PARTNER, SLOT
+from edmd.calendar import WAYS, earliest_but, whose
+from edmd.state import AWAITED, BEGIN, BLOCK_ROW, COUNT, TWIN
 
 LINE = 8                    # float64 of a cache line
 READ, KEEP, DATA = 0, 3, 1  # what llvm.prefetch takes: to be read, into the nearest cache, no code
@@ -58,18 +58,36 @@ def fetch_anchor(anchors, body):
 
 
 @kernel
-def fetch_list(lists, body):
-    """The list of a body, whose span is at hand."""
+def fetch_surroundings(world, body):
+    """The anchor and the list of a body, whose span is at hand."""
+    fetch_anchor(world.anchors, body)
+    _fetch_list(world.lists, body)
+
+
+@kernel
+def _fetch_list(lists, body):
     begin = int(lists.spans[body, BEGIN])
     for entry in range(begin, begin + int(lists.spans[body, COUNT])):
         fetch(lists.numbers[entry], 0)
 
 
 @kernel
-def fetch_surroundings(world, body):
-    """The anchor and the list of a body, whose span is at hand."""
-    fetch_anchor(world.anchors, body)
-    fetch_list(world.lists, body)
+def fetch_pair(world, entry, body, partner):
+    """What a look at a pair takes."""
+    fetch(world.lists.numbers[world.lists.links[entry, TWIN]], 0)
+    fetch_body(world, partner)
+    fetch_body(world, body)
+
+
+@kernel
+def fetch_collision(world, body, partner, ahead):
+    """What a collision takes besides. ahead: in a system that does not fit into the caches."""
+    fetch_surroundings(world, partner)
+    if ahead:
+        _fetch_place(world.calendar, partner)
+        begin = int(world.lists.spans[body, BEGIN])
+        for entry in range(begin, begin + int(world.lists.spans[body, COUNT])):
+            fetch(world.lists.numbers[world.lists.links[entry, TWIN]], 0)
 
 
 @kernel
@@ -90,9 +108,9 @@ def likely_next(calendar, body):
     for k in range(len(rounds) - 1):
         match = won // WAYS
         if k >= len(rounds) - 3:
-            for rival in range(rounds[k] + match * WAYS, rounds[k] + (match + 1) * WAYS):
-                earlier = times[rival] < earliest and rival != rounds[k] + won
-                earliest, place = times[rival] if earlier else earliest, rival if earlier else place
+            time, rival = earliest_but(times, rounds[k] + match * WAYS, won % WAYS)
+            earlier = time < earliest
+            earliest, place = time if earlier else earliest, rounds[k] + match * WAYS + rival if earlier else place
         won = match
     return whose(calendar, place)
 
@@ -101,23 +119,30 @@ def likely_next(calendar, body):
 def fetch_next(world, body):
     """What the first steps of the event after this body's take. -> whose event that is, most likely"""
     calendar = world.calendar
-    place = body = likely_next(calendar, body)
+    body = likely_next(calendar, body)
     fetch(world.lists.spans[body], 0)
     fetch_body(world, body)
-    for k in range(len(calendar.rounds) - 1):
-        fetch(calendar.time, calendar.rounds[k] + place)
-        place //= WAYS
-        fetch(calendar.body, calendar.rounds[k + 1] + place)
+    _fetch_place(calendar, body)
     return body
 
 
 @kernel
-def fetch_pair(world, body):
-    """What its event takes besides, once `fetch_next` and `fetch_list` have brought what tells: the partner, or its own anchor."""
-    lists, slot = world.lists, int(world.lists.spans[body, SLOT])
-    if 0 <= slot < lists.spans[body, COUNT]:
-        partner = int(lists.links[int(lists.spans[body, BEGIN]) + slot, PARTNER])
-        fetch(lists.spans[partner], 0)
-        fetch_body(world, partner)
+def _fetch_place(calendar, body):
+    """Where the calendar has the event of a body, and what is decided there."""
+    place = body
+    for k in range(len(calendar.rounds) - 1):
+        fetch(calendar.time, calendar.rounds[k] + place)
+        place //= WAYS
+        fetch(calendar.body, calendar.rounds[k + 1] + place)
+
+
+@kernel
+def fetch_event(world, body):
+    """What its event takes besides, once `fetch_next` has brought the span that tells: its list, and whom it awaits or its own anchor."""
+    awaited = int(world.lists.spans[body, AWAITED])
+    if awaited != body:
+        fetch(world.lists.spans[awaited], 0)
+        fetch_body(world, awaited)
     else:
         fetch_anchor(world.anchors, body)
+    _fetch_list(world.lists, body)

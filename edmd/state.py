@@ -60,9 +60,10 @@ LANES, NOBODY = 8, 1e12
 (PLACE_POSITION, PLACE_AXIS, PLACE_ACROSS, PLACE_ALONG, PLACE_MARGIN, PLACE_GAP,
  BLOCK_ROW) = (LANES * column for column in (0, 3, 6, 7, 8, 9, 10))
 
-# spans: where the list of a body stands among the entries, one behind the other in the order of the bodies, and what the body waits for:
-# a SLOT of its list, or its escape; ESCAPE_TIME, of `escapes`, the same memory; MET_PARTNER and MET_IMAGE: the pair whose contact is known
-BEGIN, COUNT, ROOM, SLOT, MET_PARTNER, MET_IMAGE = 0, 1, 2, 3, 4, 5
+# spans: where the list of a body stands among the entries, one behind the other in the order of the bodies, each with room up to the next
+# (behind them all stands an empty one), and what the body waits for: a SLOT of its list, or its escape. AWAITED: who stood there, itself
+# for its escape; ESCAPE_TIME, of `escapes`, the same memory; MET_PARTNER and MET_IMAGE: the pair whose contact is known
+BEGIN, COUNT, AWAITED, SLOT, MET_PARTNER, MET_IMAGE = 0, 1, 2, 3, 4, 5
 SPAN_ROW, ESCAPE_TIME = 8, 3
 
 # clock: NOW and every time in the world count from EPOCH. REACH_SIZE: the largest size of an anchor. REFINE: a time, see tolerances.
@@ -74,11 +75,11 @@ SPAN_ROW, ESCAPE_TIME = 8, 3
  INSTANT, ROUNDING, LATEST, DRIFT) = range(17)
 CLOCK_ROW = 24
 
-# tally. ENTRIES: how many rows of the entries are taken. SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this
+# tally. SPARED: collisions that the TC model made elastic (EPOCH_SPARED: before this
 # epoch). FAINT: weight of the last collisions in a row that were too faint to be told from rounding, the last of them of the FAINT_PAIR.
 # WATCHED: how many entries are to be watched in this event. ENOUGH: the epoch ends with this look at the latest
-(COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, ENTRIES, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR,
- WATCHED, ENOUGH) = range(14)
+(COLLISIONS, NEXT_EPOCH, EPOCH_BEGAN, EVENTS, LOOKS, REBUILDS, STANDING, SPARED, EPOCH_SPARED, FAINT, FAINT_PAIR, WATCHED,
+ ENOUGH) = range(13)
 TALLY_ROW = 16
 WATCHED_ROOM = 256
 
@@ -86,8 +87,8 @@ WATCHED_ROOM = 256
 class Lists(NamedTuple):
     """Neighbour lists. A pair's earliest possible contact stands in the list of the body that predicted it last, inf in the other."""
 
-    spans: np.ndarray       # int32 (n, SPAN_ROW)
-    escapes: np.ndarray     # float64 (n, SPAN_ROW / 2), the same memory
+    spans: np.ndarray       # int32 (n + 1, SPAN_ROW)
+    escapes: np.ndarray     # float64 (n + 1, SPAN_ROW / 2), the same memory
     numbers: np.ndarray     # float64 (entries, 8)
     directions: np.ndarray  # float32 (entries, 16), the same memory
     links: np.ndarray       # int32 (entries, 16), the same memory

@@ -57,10 +57,9 @@ def _entries_in_use(world):
 def _check_links(world):
     entry, body = _entries_in_use(world)
     lists, spans = world.lists, world.lists.spans
-    assert (spans[:, state.COUNT] <= spans[:, state.ROOM]).all(), "a list is longer than its room"
-    ends = spans[:, state.BEGIN] + spans[:, state.ROOM]
-    assert (ends[:-1] == spans[1:, state.BEGIN]).all(), "lists overlap, or leave room to nobody"
-    assert ends[-1] == world.tally[state.ENTRIES] <= len(lists.numbers), "lists reach beyond their room"
+    assert (spans[:-1, state.COUNT] <= np.diff(spans[:, state.BEGIN])).all(), "a list is longer than its room"
+    assert spans[0, state.BEGIN] == spans[-1, state.COUNT] == 0, "lists leave room to nobody"
+    assert spans[-1, state.BEGIN] <= len(lists.numbers), "lists reach beyond their room"
     owner = np.full(len(lists.numbers), -1)
     owner[entry] = body
     twin, partner = lists.links[entry, state.TWIN], lists.links[entry, state.PARTNER]
@@ -89,7 +88,7 @@ def _check_calendar(world):
     entries, body = _entries_in_use(world)
     earliest = np.full(n, np.inf)
     np.minimum.at(earliest, body, world.lists.numbers[entries, state.EVENT])
-    assert (entry <= np.minimum(earliest, world.lists.escapes[:, state.ESCAPE_TIME])).all(), "a body waits past its earliest event"
+    assert (entry <= np.minimum(earliest, world.lists.escapes[:n, state.ESCAPE_TIME])).all(), "a body waits past its earliest event"
     assert (entry >= world.clock[state.NOW] - 1e-12 * abs(world.clock[state.NOW])).all(), "an event lies in the past"
 
 

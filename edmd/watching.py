@@ -27,7 +27,7 @@ from edmd.pairs import (
     support_until,
     within,
 )
-from edmd.state import GROWTH, HORIZON, LOOKS, MET, MET_SINCE, MET_TIME, NOW, PARTNER, REFINE, ROUNDING, TIME, TWIN
+from edmd.state import GROWTH, HORIZON, LOOKS, MET, MET_SINCE, MET_TIME, NOW, PARTNER, REFINE, ROUNDING, TIME
 from edmd.tolerances import ALIGNED, ALMOST, CROSSED, FAR, GRAZING, IMMINENT, LOOK_PAST, NEWTON_STEPS, PRESSED, SHOTS, WELL_ALIGNED
 
 NEWTON, AIMED, BEST = range(3)          # ways to a plane, each for where the one before will not do
@@ -35,10 +35,9 @@ UNKNOWN = -1.0                          # a gap where float64 cannot tell
 
 
 @kernel
-def watch(world, entry):
-    """Note when a pair can touch at the earliest; a contact that is near, and its normal, to the last digits."""
-    links = world.lists.links
-    body, partner = int(links[links[entry, TWIN], PARTNER]), int(links[entry, PARTNER])
+def watch(world, entry, body):
+    """Note when a body and one on its list can touch at the earliest; a contact that is near, and its normal, to the last digits."""
+    partner = int(world.lists.links[entry, PARTNER])
     if is_sphere(world, body) and is_sphere(world, partner):
         world.tally[LOOKS] += 1
         span, _, _, _ = meeting_of_balls(world, entry, ball_now(world, body), ball_now(world, partner))

@@ -13,7 +13,7 @@ SKEWED = np.array([[1.0, 0.0, 0.0], [0.5, 0.9, 0.0], [-0.4, 0.3, 0.8]])
 def listed(world):
     """(body, partner, image) of every entry of every list."""
     found = set()
-    for body, (begin, count) in enumerate(world.lists.spans[:, :2]):
+    for body, (begin, count) in enumerate(world.lists.spans[:-1, :2]):
         for entry in range(begin, begin + count):
             found.add((body, int(world.lists.links[entry, state.PARTNER]),
                        tuple(world.lists.images[entry, state.IMAGE:state.IMAGE + 3].tolist())))

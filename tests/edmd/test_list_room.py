@@ -24,10 +24,10 @@ def full(monkeypatch):
 def told(world):
     """Of every body its neighbours, with all that its list tells of them but where it stands, and the pair that it waits for."""
     lists, said = world.lists, []
-    for begin, count, _, slot, *met in lists.spans[:, :6].tolist():
+    for begin, count, _, slot, *met in lists.spans[:-1, :6].tolist():
         rows = lists.links[begin:begin + count].copy()
         waits = rows[slot, :state.TWIN].tolist() if slot >= 0 else None
-        twins = [int(np.flatnonzero(lists.spans[:, state.BEGIN] <= twin)[-1]) for twin in rows[:, state.TWIN]]
+        twins = [int(np.flatnonzero(lists.spans[:-1, state.BEGIN] <= twin)[-1]) for twin in rows[:, state.TWIN]]
         said.append((sorted(row[:state.TWIN].tolist() for row in rows), sorted(twins), waits, met))
     return said
 
@@ -35,37 +35,34 @@ def told(world):
 @pytest.mark.parametrize("compiled", [True, False])
 @pytest.mark.parametrize(("body", "giver"), [(20, 21), (20, 27), (20, 20 + FULL_IN_A_ROW), (0, 1), (N - 2, N - 1), (N - 1, N), (N - 5, N)])
 def test_the_next_list_with_room_gives_a_place(full, body, giver, compiled):
-    lists, tally, before = full.lists, full.tally, told(full)
+    lists, before = full.lists, told(full)
     if giver < N:                                                   # a place beyond its last entry
-        lists.spans[giver, state.ROOM] += 1
         lists.spans[giver + 1:, state.BEGIN] += 1
         lists.numbers[lists.spans[giver, state.BEGIN] + lists.spans[giver, state.COUNT] + 1:] = (
             lists.numbers[lists.spans[giver, state.BEGIN] + lists.spans[giver, state.COUNT]:-1].copy())
-        moved = lists.links[:tally[state.ENTRIES] + 1, state.TWIN]
+        moved = lists.links[:lists.spans[-1, state.BEGIN], state.TWIN]
         moved[moved >= lists.spans[giver, state.BEGIN] + lists.spans[giver, state.COUNT]] += 1
-        tally[state.ENTRIES] += 1
     assert told(full) == before
     has_room = _has_room if compiled else _has_room.py_func
-    assert has_room(lists, tally, body)
-    assert lists.spans[body, state.ROOM] == lists.spans[body, state.COUNT] + 1
-    others = np.delete(lists.spans, body, axis=0)
-    assert (others[:, state.ROOM] == others[:, state.COUNT]).all()
+    assert has_room(lists, body)
+    spare = np.diff(lists.spans[:, state.BEGIN]) - lists.spans[:-1, state.COUNT]
+    assert spare[body] == spare.sum() == 1
     assert told(full) == before
     _check_links(full)
     ends = lists.spans[:, state.BEGIN].copy()
-    assert has_room(lists, tally, body)                            # it has: nothing moves
+    assert has_room(lists, body)                                   # it has: nothing moves
     np.testing.assert_array_equal(lists.spans[:, state.BEGIN], ends)
 
 
 def test_too_many_full_lists_in_a_row_are_left_alone(full):
     before = full.lists.numbers.copy()
-    assert not _has_room(full.lists, full.tally, 20)
+    assert not _has_room(full.lists, 20)
     np.testing.assert_array_equal(full.lists.numbers, before)
 
 
 def test_the_last_list_takes_what_is_behind_it_until_that_is_gone(full):
     lists, taken = full.lists, 0
-    while _has_room(lists, full.tally, N - 1):
-        lists.spans[N - 1, state.ROOM] -= 1                     # as if it were full again
+    while _has_room(lists, N - 1):
+        lists.spans[N - 1, state.COUNT] += 1                    # as if it were full again
         taken += 1
     assert taken == SPARE

@@ -46,7 +46,7 @@ def test_asking_changes_nothing(compiled):
     world = melted(60)._world
     before = {name: array.copy() for name, array in flattened(world)}
     for body in range(60):
-        for ask in (prefetch.fetch_next, prefetch.fetch_pair, prefetch.fetch_surroundings, prefetch.fetch_body):
+        for ask in (prefetch.fetch_next, prefetch.fetch_event, prefetch.fetch_surroundings, prefetch.fetch_body):
             (ask if compiled else ask.py_func)(world, body)
     for name, array in flattened(world):
         np.testing.assert_array_equal(array, before[name])

@@ -62,7 +62,7 @@ def test_restart(rule, shape, tmp_path):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("rule", ["rough, TC", "inelastic"])
+@pytest.mark.parametrize("rule", ["rough, TC", "inelastic, TC"])          # without it a tenth of such gases collapse within 900 collisions
 def test_looking_changes_nothing(rule, shape):
     plain, watched, seen = gas(rule, shape).run(collisions=900), gas(rule, shape), []
     watched.run(collisions=900, observers=[edmd.Observer(edmd.Every(collisions=23), lambda view: seen.append(view.system))])
