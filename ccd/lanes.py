@@ -145,8 +145,8 @@ def _compile(function, generate, result, *cases):
         wide = _TWO in kinds
 
         def implementation(context, builder, _signature, values):
-            return generate(context, builder, *(_pack(builder, value, value) if wide and kind is _NUMBER else value
-                                       for kind, value in zip(kinds, values)))
+            spread = (_pack(builder, value, value) if wide and kind is _NUMBER else value for kind, value in zip(kinds, values))
+            return generate(context, builder, *spread)
         lower_builtin(function, *kinds)(implementation)
 
     for kinds in cases:

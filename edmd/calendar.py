@@ -36,23 +36,25 @@ def whose(calendar, place):
 
 @kernel
 def _earliest(times, first):
-    """The earliest of a match, and its place: of equal ones the first. No jump: who wins is a toss."""
-    a, i = _earlier(times[first], 0, times[first + 1], 1)
-    b, j = _earlier(times[first + 2], 2, times[first + 3], 3)
-    c, k = _earlier(times[first + 4], 4, times[first + 5], 5)
-    d, m = _earlier(times[first + 6], 6, times[first + 7], 7)
-    a, i = _earlier(a, i, b, j)
-    c, k = _earlier(c, k, d, m)
-    return _earlier(a, i, c, k)
+    """The earliest of a match, and its place."""
+    return _winner((times[first], times[first + 1], times[first + 2], times[first + 3],
+                    times[first + 4], times[first + 5], times[first + 6], times[first + 7]))
 
 
 @kernel
 def earliest_but(times, first, one):
     """`_earliest` of all but one place. Number by number, as they were written: a vector of them would wait until they are in the cache."""
-    a, i = _earlier(_but(times, first, 0, one), 0, _but(times, first, 1, one), 1)
-    b, j = _earlier(_but(times, first, 2, one), 2, _but(times, first, 3, one), 3)
-    c, k = _earlier(_but(times, first, 4, one), 4, _but(times, first, 5, one), 5)
-    d, m = _earlier(_but(times, first, 6, one), 6, _but(times, first, 7, one), 7)
+    return _winner((_but(times, first, 0, one), _but(times, first, 1, one), _but(times, first, 2, one), _but(times, first, 3, one),
+                    _but(times, first, 4, one), _but(times, first, 5, one), _but(times, first, 6, one), _but(times, first, 7, one)))
+
+
+@kernel
+def _winner(times):
+    """The earliest of eight, and which: of equal ones the first. No jump: who wins is a toss."""
+    a, i = _earlier(times[0], 0, times[1], 1)
+    b, j = _earlier(times[2], 2, times[3], 3)
+    c, k = _earlier(times[4], 4, times[5], 5)
+    d, m = _earlier(times[6], 6, times[7], 7)
     a, i = _earlier(a, i, b, j)
     c, k = _earlier(c, k, d, m)
     return _earlier(a, i, c, k)

@@ -83,7 +83,10 @@ def flights_of(world, body, partner, time):
 
 @kernel
 def _turned_both(rows, turns, kinds, time):
-    """The orientations so much later than the rows have them; of free tops not made unit."""
+    """The orientations so much later than the rows have them; of free tops not made unit.
+
+    Any two motions take the same way: one that is not free has free moments of 0, a free one has no constant rate.
+    """
     (a, b), (turn_a, turn_b), (kind_a, kind_b) = rows, turns, kinds
     q = (each(a, b, ORIENTATION),) + both(a, b, ORIENTATION + 1)
     if kind_a[MOTION] == FREE or kind_b[MOTION] == FREE:
@@ -91,8 +94,8 @@ def _turned_both(rows, turns, kinds, time):
         top = top_from(each(turn_a, turn_b, TOP), both(turn_a, turn_b, TOP + 1), each(turn_a, turn_b, TOP + 4),
                        each(turn_a, turn_b, TOP + 5), each(turn_a, turn_b, TOP + 6), moments)
         if not is_short(top, half):
-            p, q = turned(a, turn_a, kind_a, first(time)), turned(b, turn_b, kind_b, second(time))
-            return two(p[0], q[0]), two(p[1], q[1]), two(p[2], q[2]), two(p[3], q[3])
+            one, other = turned(a, turn_a, kind_a, first(time)), turned(b, turn_b, kind_b, second(time))
+            return two(one[0], other[0]), two(one[1], other[1]), two(one[2], other[2]), two(one[3], other[3])
         q = turn_shortly(top, q, moments, half)
     if kind_a[MOTION] != FREE or kind_b[MOTION] != FREE:
         q = rotation.turn(q, scale(each(kind_a, kind_b, ACROSS), both(a, b, MOMENTUM)), time)

@@ -97,16 +97,10 @@ def set_turning(row, turn, kind):
         _set_free_turning(row, turn, kind)
     else:
         spin = scale(kind[ACROSS], load(row, MOMENTUM))
-        turn[FASTEST] = _swing(row, kind, spin)
-        turn[BEND], turn[FOURTH] = steady_bounds(norm(spin), turn[FASTEST], kind[BENDING], kind[LARGEST] - kind[SPREAD])
-
-
-@kernel
-def steady_bounds(rate, swing, bending, least):
-    """BEND and FOURTH of a body that turns at a constant rate, and its axis at the rate `swing`."""
-    swing += UNSTEADY * rate
-    bend = 0.5 * swing * (rate + swing) * bending
-    return bend, (1 / 3) * rate * rate * bend * least
+        rate, turn[FASTEST] = norm(spin), _swing(row, kind, spin)
+        swing = turn[FASTEST] + UNSTEADY * rate
+        turn[BEND] = 0.5 * swing * (rate + swing) * kind[BENDING]
+        turn[FOURTH] = (1 / 3) * rate * rate * turn[BEND] * (kind[LARGEST] - kind[SPREAD])
 
 
 @kernel

@@ -42,7 +42,7 @@ NORMALS, SIDES, RATES, BENDS, AGES, SPANS, COLUMNS = (BLOCK * column for column 
 
 @kernel
 def predict(world, body):
-    """After a change of velocity: bound every pair of the body anew, which is up to date; some pairs are to be watched."""
+    """After a change of velocity: bound every pair of the body anew, which is up to date, with its turning; some are to be watched."""
     begin = int(world.lists.spans[body, BEGIN])
     end = begin + int(world.lists.spans[body, COUNT])
     world.turns[body, MET_TIME] = -inf
