@@ -1,7 +1,8 @@
 """Two numbers side by side in the lanes of a vector register: a kernel written for numbers does with them the same twice in one go.
 
 The two bodies of a pair go through the same arithmetic, which so takes half the instructions, to the same bits. A kernel that takes numbers
-and `Two` alike has no jump that hangs on them: `where_less`, `greater` and `lesser` choose; `sqrt` and `absolute` are those of here.
+and `Two` alike chooses by `where_less`, `greater` and `lesser`, and jumps only by `most` and `least`, to a way that is right for both;
+`sqrt` and `absolute` are those of here.
 """
 
 import math

@@ -79,7 +79,7 @@ def _arrive(world, body, partner, n):
     if kind_a[MOTION] == STILL and kind_b[MOTION] == STILL:
         for one in (body, partner):
             arrive(world.bodies[one], world.turns[one], world.kinds[kind_of(world, one)], world.clock[NOW])
-        radii, along, across = each(kind_a, kind_b, LARGEST), two(1.0, 1.0), two(0.0, 0.0)
+        radii, along, across = each(kind_a, kind_b, LARGEST), two(1.0, 1.0), two(0.0, 0.0)             # any axes: nobody asks for these
         return total(radii), scale(radii, n), ((along, across, across), (across, along, across), (across, across, along))
     axes = arrive_both(world, body, partner)
     vectors = semi_axis_vectors(both(kind_a, kind_b, SEMI_AXES), axes)

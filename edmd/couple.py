@@ -104,8 +104,8 @@ def _turned_both(rows, turns, kinds, time):
 
 @kernel
 def arrive_both(world, body, partner):
-    """Move two bodies, whose momenta are about to change, to the present: what is constant in their flights is left for `set_turning`.
-    -> their axes in the lab"""
+    """Move two bodies, whose momenta are about to change, to the present: what is constant in their flights is left for
+    `set_turning_of_both`. -> their axes in the lab"""
     now, a, b = world.clock[NOW], world.bodies[body], world.bodies[partner]
     kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
     since = now - each(a, b, TIME)

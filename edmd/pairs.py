@@ -1,4 +1,4 @@
-"""What the engine knows of a pair of neighbours: two flights, the plane between them, and its sides in the lists (theory, section 3).
+"""What the engine knows of a pair of neighbours: the plane between them, and its sides in the lists (theory, section 3).
 
 A plane of direction n, from a body to a neighbour, keeps the two apart while the body's side of it, U = n.x + h(n), stays below the
 neighbour's, L = n.x - h(n). Each side moves with its own body alone, so the list entry that a body has of a neighbour keeps n and the

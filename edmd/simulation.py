@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from edmd.observers import Observer
 
 STALL_PATH = "edmd.stalled.npz"
-FORMAT = 10                 # of what `save` writes
+FORMAT = 11                 # of what `save` writes
 
 
 class Course(NamedTuple):

@@ -49,8 +49,8 @@ SIDE, SIDE_RATE, SIDE_BEND, SINCE, EVENT = 2, 3, 4, 5, 6
 NORMAL, IMAGE, PARTNER, TWIN = 0, 12, 14, 15
 ENTRY_ROW = 8
 
-# levels of the cells: layers in each direction, and the first cell; HITS: bodies looked into together
-LAYERS, FIRST_CELL = 0, 3
+# levels of the cells: layers in each direction, and the FIRST_CELL; HITS: bodies looked into together
+FIRST_CELL = 3
 LEVEL_ROW = 4
 HITS = 128
 

@@ -58,7 +58,8 @@ def _check_links(world):
     entry, body = _entries_in_use(world)
     lists, spans = world.lists, world.lists.spans
     assert (spans[:-1, state.COUNT] <= np.diff(spans[:, state.BEGIN])).all(), "a list is longer than its room"
-    assert spans[0, state.BEGIN] == spans[-1, state.COUNT] == 0, "lists leave room to nobody"
+    assert spans[0, state.BEGIN] == 0, "the first list leaves room to nobody"
+    assert spans[-1, state.COUNT] == 0, "there is something in the empty list behind the others"
     assert spans[-1, state.BEGIN] <= len(lists.numbers), "lists reach beyond their room"
     owner = np.full(len(lists.numbers), -1)
     owner[entry] = body

@@ -144,7 +144,7 @@ def tilted(pair, r, n, scales):
     now, later = first_of(steps), second_of(steps)
     gap, closing, bend = gap + 0.5 * dot(now, lag), max(-rate - dot(later, lag), 0.0), max(dot(later, drift), 0.0)
     comes = gap > 0.0 and closing > 0.0
-    lead = min(gap / closing, sqrt(gap * bend) * (1.0 / bend) if bend > 0.0 else inf, horizon) if comes else 0.0
+    lead = min(gap / closing, sqrt(gap * bend) * (1.0 / bend) if bend > 1e-300 else inf, horizon) if comes else 0.0
     tilt = add_scaled(now, lead, later)
     turned = add(n, tilt)
     _, over = root_and_inverse(dot(turned, turned))

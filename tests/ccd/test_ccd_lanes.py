@@ -64,7 +64,11 @@ def test_plain_python_gives_the_same_bits(a, b):
 
 def test_a_comparison_with_no_number_fails():
     assert where_less(math.nan, 1.0, 2.0, 3.0) == where_less(1.0, math.nan, 2.0, 3.0) == 3.0
-    assert reckoned_side_by_side((math.nan, 1.0, 1.0), (1.0, 1.0, 1.0))[1] == reckoned(1.0, 1.0, 1.0)
+    for none, one in (((math.nan, 1.0, 1.0), (2.0, 1.0, 1.0)), ((1.0, 1.0, math.nan), (2.0, 1.0, 1.0))):
+        for pair, lane in (((none, one), 0), ((one, none), 1)):
+            found = reckoned_side_by_side(*pair)
+            assert found[lane][1] == 7.0
+            assert found[1 - lane] == reckoned(*one)
 
 
 @kernel

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import edmd
-from edmd import prefetch
+from edmd import prefetch, state
 from edmd.building import _calendar, flattened, with_room
 from edmd.calendar import schedule
 from edmd.engine import advance_events
-from edmd.events import Ended
+from edmd.epoch import reschedule_all
+from edmd.events import Ended, EventKind
 from edmd.tolerances import FETCHED_AHEAD
 
 
@@ -41,6 +42,19 @@ def test_it_is_nearly_always_the_next():
     assert right > 0.7 * events                 # 60 bodies: an event in between is not rare
 
 
+def test_it_is_known_whom_a_body_awaits():
+    """The partner of the earliest entry of its list, or itself for its escape."""
+    world = melted(60)._world
+    reschedule_all(world)
+    spans, seen = world.lists.spans, set()
+    for body, span in enumerate(spans[:-1]):
+        slot = span[state.SLOT]
+        awaited = body if slot == EventKind.ESCAPE else world.lists.links[span[state.BEGIN] + slot, state.PARTNER]
+        assert span[state.AWAITED] == awaited
+        seen.add(slot == EventKind.ESCAPE)
+    assert seen == {True, False}
+
+
 @pytest.mark.parametrize("compiled", [True, False])
 def test_asking_changes_nothing(compiled):
     world = melted(60)._world
@@ -48,6 +62,10 @@ def test_asking_changes_nothing(compiled):
     for body in range(60):
         for ask in (prefetch.fetch_next, prefetch.fetch_event, prefetch.fetch_surroundings, prefetch.fetch_body):
             (ask if compiled else ask.py_func)(world, body)
+        entry = int(world.lists.spans[body, state.BEGIN])
+        partner = int(world.lists.links[entry, state.PARTNER])
+        for ask, *rest in ((prefetch.fetch_pair, entry, body, partner), (prefetch.fetch_collision, body, partner, True)):
+            (ask if compiled else ask.py_func)(world, *rest)
     for name, array in flattened(world):
         np.testing.assert_array_equal(array, before[name])
 

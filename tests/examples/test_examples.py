@@ -1,5 +1,6 @@
 """The examples: the figures of the paper's move as they promise, each runs and leaves its files."""
 
+import re
 import sys
 
 import numpy as np
@@ -198,8 +199,8 @@ def test_shoots_stop_at_the_first_contact():
     (boxers, ["--frames", "40"], ["boxers.png"], "rigid motion, setup 1"),
     (robot_arm, [], ["robot_arm.png"], "W-7"),
     (ccd_equation, [], ["zero_sets.png", "affine_pair.png"], "Example 2: F has degree"),
-    (sweep_compression_rates, ["--replicas", "2"], ["compression_rates.png", "sweep/summary.png"], "rate 0.1   packing fraction 0."),
-    (packing_by_aspect_ratio, ["-n", "32", "--rate", "0.1", "--replicas", "2"], ["packing_by_aspect_ratio.png"], "         1.5  0.6"),
+    (sweep_compression_rates, ["--replicas", "2"], ["compression_rates.png", "sweep/summary.png"], r"rate 0.1   packing fraction 0\.[67]"),
+    (packing_by_aspect_ratio, ["-n", "32", "--rate", "0.1", "--replicas", "2"], ["packing_by_aspect_ratio.png"], r"         1\.5  0\.[67]"),
     (isotropic_to_nematic, ["-n", "32", "--collisions", "20", "--aspect-ratio", "2", "--replicas", "2"], ["isotropic_to_nematic.png"],
      "            0.30   0."),
     (equation_of_state, ["--cells", "3", "--collisions", "20"], ["equation_of_state.png"], "            0.30     "),
@@ -218,6 +219,6 @@ def test_each_example_runs_and_leaves_its_files(script, arguments, files, said, 
             monkeypatch.setattr(script, name, sorted(fewer) if rising else fewer)
     monkeypatch.setattr(sys, "argv", [script.__name__, "--folder", str(tmp_path / "out"), *arguments])
     script.main()
-    assert said in capsys.readouterr().out
+    assert re.search(said, capsys.readouterr().out)
     for file in files:
         assert (tmp_path / "out" / file).read_bytes().startswith(b"\x89PNG")

@@ -62,11 +62,12 @@ def test_restart(rule, shape, tmp_path):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("rule", ["rough, TC", "inelastic, TC"])          # without it a tenth of such gases collapse within 900 collisions
-def test_looking_changes_nothing(rule, shape):
-    plain, watched, seen = gas(rule, shape).run(collisions=900), gas(rule, shape), []
-    watched.run(collisions=900, observers=[edmd.Observer(edmd.Every(collisions=23), lambda view: seen.append(view.system))])
-    assert len(seen) > 20
+@pytest.mark.parametrize(("rule", "collisions"), [("rough, TC", 900), ("inelastic, TC", 900), ("inelastic", 300)])
+def test_looking_changes_nothing(rule, collisions, shape):
+    """An inelastic gas without a contact time for a while only: one in ten has collapsed within 900 collisions."""
+    plain, watched, seen = gas(rule, shape).run(collisions=collisions), gas(rule, shape), []
+    watched.run(collisions=collisions, observers=[edmd.Observer(edmd.Every(collisions=23), lambda view: seen.append(view.system))])
+    assert len(seen) > collisions // 25
     assert independent.same_bits(plain.system, watched.system)
 
 
