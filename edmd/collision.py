@@ -5,8 +5,8 @@ from ccd.free_top import turning_of
 from ccd.lanes import abreast, first, first_of, second, second_of, total, total_of, two
 from ccd.separation import semi_axis_vectors, support, support_point
 from ccd.vectors import add, add_scaled, cross, dot, load, norm, scale, subtract
-from edmd.couple import arrive_both, both, each, store_both
-from edmd.flight import arrive, kind_of, turning
+from edmd.couple import arrive_both
+from edmd.flight import arrive, both, each, kind_of, store_both, turning
 from edmd.pairs import size_now
 from edmd.rules import elastic, rough
 from edmd.rules.kinds import CONTACT_TIME, ELASTIC, KIND, PARAMETERS, ROUGH, smooth_restitution

@@ -4,20 +4,29 @@ brought up to date where they are stored, for a collision.
 
 from ccd import rotation
 from ccd.compiling import kernel
-from ccd.free_top import is_short, top_from, top_of, turn_shortly, turning_of
+from ccd.free_top import is_short, top_from, turn_shortly, turning_of
 from ccd.lanes import abreast, first, first_of, second, second_of, two
 from ccd.revolution import turning_axis
 from ccd.rotation import axes_of_any, body_axes, unit
 from ccd.separation import semi_axis_vectors
-from ccd.vectors import add, add_scaled, dot, load, scale, store
-from edmd.flight import Flight, free_bounds, kind_of, middle_square, set_turning, store_pose, turned
+from ccd.vectors import add, add_scaled, dot, load, scale
+from edmd.flight import (
+    Flight,
+    both,
+    each,
+    kind_of,
+    middle_square,
+    set_free_turning,
+    set_turning,
+    store_both,
+    store_pose,
+    turned,
+)
 from edmd.state import (
     ACROSS,
     ACROSS_SQUARE,
     ALONG_SQUARE,
     BEND,
-    BENDING,
-    FASTEST,
     FOURTH,
     FREE,
     FREE_MOMENTS,
@@ -35,28 +44,9 @@ from edmd.state import (
     THIRD,
     TIME,
     TOP,
-    UNEQUAL,
     VECTORS,
     VELOCITY,
 )
-
-
-@kernel
-def both(a, b, start):
-    """A 3-vector of each of two rows."""
-    return abreast(load(a, start), load(b, start))
-
-
-@kernel
-def each(a, b, k):
-    """A number of each of two rows."""
-    return two(a[k], b[k])
-
-
-@kernel
-def vectors_of_both(a, b, start):
-    """The semi-axis vectors that stand in each of two rows."""
-    return both(a, b, start), both(a, b, start + 3), both(a, b, start + 6)
 
 
 @kernel
@@ -124,34 +114,12 @@ def arrive_both(world, body, partner):
 
 
 @kernel
-def store_both(a, b, start, vectors):
-    """A 3-vector into each of two rows."""
-    store(a, start, first_of(vectors))
-    store(b, start, second_of(vectors))
-
-
-@kernel
 def set_turning_of_both(world, body, partner):
     """`set_turning` of two bodies that are up to date."""
     a, b, turn_a, turn_b = world.bodies[body], world.bodies[partner], world.turns[body], world.turns[partner]
     kind_a, kind_b = world.kinds[kind_of(world, body)], world.kinds[kind_of(world, partner)]
-    if not (kind_a[MOTION] == FREE and kind_b[MOTION] == FREE):
+    if kind_a[MOTION] == FREE and kind_b[MOTION] == FREE:
+        set_free_turning((a, b), (turn_a, turn_b), (kind_a, kind_b))
+    else:
         set_turning(a, turn_a, kind_a)
         set_turning(b, turn_b, kind_b)
-        return
-    moments, least = both(kind_a, kind_b, FREE_MOMENTS), each(kind_a, kind_b, LARGEST) - each(kind_a, kind_b, SPREAD)
-    top = top_of((each(a, b, ORIENTATION),) + both(a, b, ORIENTATION + 1), both(a, b, MOMENTUM), moments)
-    fastest, bend, third, fourth = free_bounds(top, moments, each(kind_a, kind_b, BENDING), least, each(kind_a, kind_b, UNEQUAL))
-    store_each(turn_a, turn_b, TOP, top.length)
-    store_both(turn_a, turn_b, TOP + 1, top.x)
-    store_both(turn_a, turn_b, TOP + 4, (top.spin, top.swerve, top.square))
-    store_each(turn_a, turn_b, FASTEST, fastest)
-    store_each(turn_a, turn_b, BEND, bend)
-    store_each(turn_a, turn_b, THIRD, third)
-    store_each(turn_a, turn_b, FOURTH, fourth)
-
-
-@kernel
-def store_each(a, b, k, x):
-    """A number into each of two rows."""
-    a[k], b[k] = first(x), second(x)

@@ -15,6 +15,7 @@ from ccd.free_top import (
     turn_top,
     turning_of,
 )
+from ccd.lanes import abreast, first, first_of, second, second_of, two
 from ccd.precession import NO_AXIS
 from ccd.revolution import course_of_axis, facing_of_axis, shape_of_axis, turning_axis
 from ccd.rotation import axes_of_any, body_axes, load_quaternion, unit
@@ -68,6 +69,37 @@ def store_vectors(row, start, vectors):
 
 
 @kernel
+def both(a, b, start):
+    """A 3-vector of each of two rows."""
+    return abreast(load(a, start), load(b, start))
+
+
+@kernel
+def each(a, b, k):
+    """A number of each of two rows."""
+    return two(a[k], b[k])
+
+
+@kernel
+def vectors_of_both(a, b, start):
+    """The semi-axis vectors that stand in each of two rows."""
+    return both(a, b, start), both(a, b, start + 3), both(a, b, start + 6)
+
+
+@kernel
+def store_both(a, b, start, vectors):
+    """A 3-vector into each of two rows."""
+    store(a, start, first_of(vectors))
+    store(b, start, second_of(vectors))
+
+
+@kernel
+def store_each(a, b, k, x):
+    """A number into each of two rows."""
+    a[k], b[k] = first(x), second(x)
+
+
+@kernel
 def kind_of(world, body):
     """Row of its kind in the table."""
     return int(world.bodies[body, KIND])
@@ -103,21 +135,26 @@ def set_turning(row, turn, kind):
         turn[FOURTH] = (1 / 3) * rate * rate * turn[BEND] * (kind[LARGEST] - kind[SPREAD])
 
 
-@kernel
-def free_bounds(top, inverse_moments, bending, least, unequal):
-    """FASTEST, BEND, THIRD and FOURTH of a free top."""
-    most, hardest = fastest_turning(top, inverse_moments)
-    third, fourth = jolts(most, hardest, unequal, bending * least)
-    return most, (most * most + 0.5 * hardest) * bending, third, fourth
-
-
 @large_kernel
 def _set_free_turning(row, turn, kind):
-    top = top_of(load_quaternion(row, ORIENTATION), load(row, MOMENTUM), load(kind, INVERSE_MOMENTS))
-    turn[TOP], turn[TOP + 4], turn[TOP + 5], turn[TOP + 6] = top.length, top.spin, top.swerve, top.square
-    store(turn, TOP + 1, top.x)
-    turn[FASTEST], turn[BEND], turn[THIRD], turn[FOURTH] = free_bounds(
-        top, load(kind, INVERSE_MOMENTS), kind[BENDING], kind[LARGEST] - kind[SPREAD], kind[UNEQUAL])
+    set_free_turning((row, row), (turn, turn), (kind, kind))
+
+
+@kernel
+def set_free_turning(rows, turns, kinds):
+    """`set_turning` of two free tops, which may be one."""
+    (a, b), (turn_a, turn_b), (kind_a, kind_b) = rows, turns, kinds
+    moments, least = both(kind_a, kind_b, FREE_MOMENTS), each(kind_a, kind_b, LARGEST) - each(kind_a, kind_b, SPREAD)
+    top = top_of((each(a, b, ORIENTATION),) + both(a, b, ORIENTATION + 1), both(a, b, MOMENTUM), moments)
+    (most, hardest), bending = fastest_turning(top, moments), each(kind_a, kind_b, BENDING)
+    third, fourth = jolts(most, hardest, each(kind_a, kind_b, UNEQUAL), bending * least)
+    store_each(turn_a, turn_b, TOP, top.length)
+    store_both(turn_a, turn_b, TOP + 1, top.x)
+    store_both(turn_a, turn_b, TOP + 4, (top.spin, top.swerve, top.square))
+    store_each(turn_a, turn_b, FASTEST, most)
+    store_each(turn_a, turn_b, BEND, (most * most + 0.5 * hardest) * bending)
+    store_each(turn_a, turn_b, THIRD, third)
+    store_each(turn_a, turn_b, FOURTH, fourth)
 
 
 @kernel

@@ -12,9 +12,19 @@ from ccd.lanes import absolute, first, greater, least, lesser, most, second, sqr
 from ccd.vectors import add_scaled, dot, load, norm, store, subtract
 from edmd.boundary import displaced, fraction, image_of
 from edmd.cells import extent_along, place, row_within, scan, unpacked, window
-from edmd.couple import both, each, flights_of, vectors_of_both
+from edmd.couple import flights_of
 from edmd.events import Ended
-from edmd.flight import advance, course, kind_of, load_vectors, store_vectors, vectors_after
+from edmd.flight import (
+    advance,
+    both,
+    course,
+    each,
+    kind_of,
+    load_vectors,
+    store_vectors,
+    vectors_after,
+    vectors_of_both,
+)
 from edmd.nearness import near, still_near
 from edmd.pairs import (
     ball_now,
